@@ -15,14 +15,29 @@ const KEPT: f64 = 0.1;
 /// Accepted effects, some of the nuisance that is projected out.
 #[derive(Debug)]
 pub struct Accepted {
-    /// For each of their unknowns its column of the nuisance's inverse matrix.
-    columns: Vec<DVector<f64>>,
-    /// Its variance, and the precision of its prior.
-    spreads: Vec<(f64, f64)>,
+    /// The unknowns that are determined by the data more than by their priors.
+    each: Vec<Known>,
+}
+
+/// A determined unknown.
+#[derive(Debug)]
+struct Known {
+    /// Its column of the nuisance's inverse matrix.
+    column: DVector<f64>,
+    variance: f64,
+    /// Of its prior.
+    precision: f64,
+}
+
+impl Known {
+    /// What data say of it at this variance.
+    fn information(&self, variance: f64) -> f64 {
+        1.0 / variance - self.precision
+    }
 }
 
 impl Accepted {
-    /// These unknowns; those that are not projected out do not count.
+    /// These unknowns; those that are not projected out or not determined do not count.
     #[must_use]
     pub fn new(
         system: &System,
@@ -30,20 +45,16 @@ impl Accepted {
         unknowns: impl Iterator<Item = usize>,
     ) -> Self {
         let (inverse, _) = projection.inverse();
-        let mut places: Vec<usize> = unknowns
-            .filter_map(|unknown| projection.nuisance().iter().position(|k| *k == unknown))
-            .collect();
-        places.sort_unstable();
-        places.dedup();
-        let spread = |place: &usize| {
-            let unknown = projection.nuisance()[*place];
-            (inverse[(*place, *place)], system.precision[unknown])
-        };
+        let nuisance = projection.nuisance();
+        let places = unknowns.filter_map(|unknown| nuisance.iter().position(|k| *k == unknown));
+        let known = places.map(|place| Known {
+            column: inverse.column(place).into_owned(),
+            variance: inverse[(place, place)],
+            precision: system.precision[nuisance[place]],
+        });
         Self {
-            spreads: places.iter().map(spread).collect(),
-            columns: places
-                .iter()
-                .map(|place| inverse.column(*place).into_owned())
+            each: known
+                .filter(|one| one.information(one.variance) > one.precision)
                 .collect(),
         }
     }
@@ -55,23 +66,20 @@ impl Accepted {
         self.keep_sizes(&projection.cross(further), &remainder)
     }
 
-    /// The same from the normal equations: `cross` are the normal equations' block of these (columns) and
-    /// the nuisance (rows), `remainder` that of these alone with their prior, the nuisance projected out.
+    /// The same, where `cross` is the normal equations' block of these (columns) and the nuisance (rows), `remainder` that of
+    /// these alone with their prior, the nuisance projected out.
     #[must_use]
     pub fn keep_sizes(&self, cross: &DMatrix<f64>, remainder: &DMatrix<f64>) -> bool {
-        if self.columns.is_empty() {
+        if self.each.is_empty() {
             return true;
         }
         let Some(factor) = remainder.clone().cholesky() else {
             return false;
         };
-        let pairs = self.columns.iter().zip(&self.spreads);
-        let mut shares = pairs.map(|(column, (variance, precision))| {
-            let moved = cross.tr_mul(column);
-            let wider = variance + moved.dot(&factor.solve(&moved));
-            let information = |variance: f64| 1.0 / variance - precision;
-            information(wider) / information(*variance)
-        });
-        shares.all(|share| share >= KEPT)
+        self.each.iter().all(|one| {
+            let moved = cross.tr_mul(&one.column);
+            let wider = one.variance + moved.dot(&factor.solve(&moved));
+            one.information(wider) >= KEPT * one.information(one.variance)
+        })
     }
 }

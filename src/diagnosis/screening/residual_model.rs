@@ -208,6 +208,12 @@ mod tests {
         assert!(!keeps("residual_longitudinal.speed_squared"));
         assert!(keeps("residual_lateral.sideways"));
         assert!(keeps("residual_yaw.constant"));
+        // What the data do not determine cannot be lost: the lever of a force that is zero.
+        let lever = system.unknowns(find("drawbar.hitch_behind"));
+        let beside = Projection::over_all(system, &lever).unwrap();
+        let accepted = Accepted::new(system, &beside, lever.into_iter());
+        let term = system.unknowns(find("residual_yaw.constant"));
+        assert!(accepted.keep_sizes_beside(&beside, &term));
     }
 
     #[test]
