@@ -94,6 +94,17 @@ impl Posterior {
         self
     }
 
+    /// With this probability of a subject, unless it has more.
+    #[must_use]
+    pub fn with_at_least(self, subject: Subject, probability: f64) -> Self {
+        let own = self.of(subject);
+        if own >= probability {
+            self
+        } else {
+            self.with(subject, (probability - own) / (1.0 - own))
+        }
+    }
+
     /// With a share of all probability given to a subject.
     #[must_use]
     pub fn with(mut self, subject: Subject, share: f64) -> Self {
@@ -174,6 +185,10 @@ mod tests {
         let shared = odds.with(Subject::Unknown, 0.5);
         let sum: f64 = shared.0.iter().map(|(_, share)| share).sum();
         assert!((sum - 1.0).abs() < 1e-12 && shared.of(Subject::Unknown) > 0.5);
+        let raised = of(&[(a, 20.0)]).with_at_least(Subject::Unknown, 0.3);
+        assert!((raised.of(Subject::Unknown) - 0.3).abs() < 1e-12);
+        let kept = raised.clone().with_at_least(Subject::Unknown, 0.2);
+        assert!((kept.of(a) - raised.of(a)).abs() < 1e-12);
         // A residual model has no formula that could be another one.
         let law = of(&[(a, 2000.0), (Subject::Unknown, 1970.0)]);
         let name = of(&[(a, 2000.0), (b, 1970.0)]);

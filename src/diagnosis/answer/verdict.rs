@@ -134,7 +134,7 @@ impl Evidence<'_> {
                 subject if subject.is_sensor() => posterior,
                 subject => posterior
                     .with(Subject::Unknown, doubt)
-                    .with(Subject::Unknown, self.refuted(subject)),
+                    .with_at_least(Subject::Unknown, self.refuted(subject)),
             }
         };
         // A residual model that corrects an effect's formula is not a finding.
@@ -208,7 +208,7 @@ impl Evidence<'_> {
         }
     }
 
-    /// Doubt of a name for its formula.
+    /// Doubt of a name for its formula: an empirical residual model that came close has a part of it already.
     fn refuted(&self, subject: Subject) -> f64 {
         let differ = match subject {
             Subject::Effect(effect) => CATALOGUE[effect].formulas_differ,
