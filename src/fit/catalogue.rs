@@ -3,7 +3,7 @@
 //! The soil's priors are those of [`USUAL_SOIL`]. They are wide on purpose: they keep the fit away from nonsense where
 //! the data say nothing, and give way where the data say something. Effects bring their own.
 
-use super::parameter::{FreeParameter, Prior, Scale};
+use super::parameter::{ActsBy, FreeParameter, Prior, Scale};
 use crate::effects;
 use crate::spelling::nearest;
 use crate::vehicle::{self, Specification, USUAL_SOIL};
@@ -14,13 +14,19 @@ use std::fmt;
 struct Entry {
     name: &'static str,
     scale: Scale,
+    acts_by: ActsBy,
     /// Median of the prior; `None` for the value that the fit was given.
     median: Option<f64>,
     deviation: f64,
     range: (f64, f64),
 }
 
-const fn soil(name: &'static str, usual: effects::Prior, range: (f64, f64)) -> Entry {
+const fn soil(
+    name: &'static str,
+    usual: effects::Prior,
+    range: (f64, f64),
+    acts_by: ActsBy,
+) -> Entry {
     let (scale, median, deviation) = match usual {
         effects::Prior::Normal { mean, deviation } => (Scale::Linear, mean, deviation),
         effects::Prior::LogNormal { median, deviation } => (Scale::Log, median, deviation),
@@ -28,6 +34,7 @@ const fn soil(name: &'static str, usual: effects::Prior, range: (f64, f64)) -> E
     Entry {
         name,
         scale,
+        acts_by,
         median: Some(median),
         deviation,
         range,
@@ -38,6 +45,7 @@ const fn body(name: &'static str, deviation: f64, range: (f64, f64)) -> Entry {
     Entry {
         name,
         scale: Scale::Log,
+        acts_by: ActsBy::Coordinate,
         median: None,
         deviation,
         range,
@@ -45,12 +53,37 @@ const fn body(name: &'static str, deviation: f64, range: (f64, f64)) -> Entry {
 }
 
 const ENTRIES: [Entry; 12] = [
-    soil("cohesion", USUAL_SOIL[0], (1.0, 1e6)),
-    soil("friction_angle", USUAL_SOIL[1], (0.005, 1.0)),
-    soil("cohesive_modulus", USUAL_SOIL[2], (1.0, 1e8)),
-    soil("frictional_modulus", USUAL_SOIL[3], (1e4, 1e9)),
-    soil("sinkage_exponent", USUAL_SOIL[4], (0.05, 2.0)),
-    soil("shear_modulus", USUAL_SOIL[5], (5e-4, 0.3)),
+    soil("cohesion", USUAL_SOIL[0], (1.0, 1e6), ActsBy::Value),
+    soil(
+        "friction_angle",
+        USUAL_SOIL[1],
+        (0.005, 1.0),
+        ActsBy::Tangent,
+    ),
+    soil(
+        "cohesive_modulus",
+        USUAL_SOIL[2],
+        (1.0, 1e8),
+        ActsBy::Coordinate,
+    ),
+    soil(
+        "frictional_modulus",
+        USUAL_SOIL[3],
+        (1e4, 1e9),
+        ActsBy::Coordinate,
+    ),
+    soil(
+        "sinkage_exponent",
+        USUAL_SOIL[4],
+        (0.05, 2.0),
+        ActsBy::Value,
+    ),
+    soil(
+        "shear_modulus",
+        USUAL_SOIL[5],
+        (5e-4, 0.3),
+        ActsBy::Coordinate,
+    ),
     body("mass", 0.15, (1.0, 1e6)),
     body("yaw_inertia", 0.4, (0.1, 1e7)),
     body("wheel_radius", 0.05, (0.02, 3.0)),
@@ -130,6 +163,7 @@ pub fn describe(parameter: vehicle::ModelParameter, nominal: &Specification) -> 
         name,
         unit: parameter.unit(),
         scale: entry.scale,
+        acts_by: entry.acts_by,
         prior: Prior {
             // A vehicle may have less than the scale reaches: a centre of mass on the ground.
             median: entry
@@ -163,6 +197,7 @@ pub(super) fn describe_effect(
         name,
         unit: declared.unit,
         scale,
+        acts_by: ActsBy::Coordinate,
         prior: Prior { median, deviation },
         low,
         high: declared.high,

@@ -9,6 +9,18 @@ pub enum Scale {
     Log,
 }
 
+/// The quantity in which a parameter acts about linearly. A straight step in another one is soon off the valley of values
+/// that drive alike: k z^n is the same along ln k + n ln z, c + p tan(phi) along c and tan(phi).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ActsBy {
+    /// The coordinate.
+    Coordinate,
+    /// The value.
+    Value,
+    /// The tangent of the value, an angle.
+    Tangent,
+}
+
 /// What is known of a parameter before the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {
@@ -27,6 +39,8 @@ pub struct FreeParameter {
     pub unit: &'static str,
     /// Its scale.
     pub scale: Scale,
+    /// The quantity in which steps are straight.
+    pub acts_by: ActsBy,
     /// What is known of it before the data.
     pub prior: Prior,
     /// Smallest value that the fit may take.
@@ -37,6 +51,9 @@ pub struct FreeParameter {
 
 /// 95 % quantile of the normal distribution: bounds a 90 % interval.
 pub const NORMAL_95: f64 = 1.644_853_626_951_472_7;
+
+/// A step leaves at least this share of a positive value.
+const LEAST_SHARE: f64 = 0.1;
 
 impl FreeParameter {
     /// The coordinate of a value.
@@ -65,6 +82,20 @@ impl FreeParameter {
         match self.scale {
             Scale::Linear => 1.0,
             Scale::Log => value,
+        }
+    }
+
+    /// The coordinate after a step that is straight in the quantity by which the parameter acts. A short one is a step of the
+    /// coordinate.
+    #[must_use]
+    pub fn after(&self, coordinate: f64, step: f64) -> f64 {
+        match (self.acts_by, self.scale) {
+            (ActsBy::Value, Scale::Log) => coordinate + (1.0 + step).max(LEAST_SHARE).ln(),
+            (ActsBy::Tangent, Scale::Linear) => {
+                let tangent = coordinate.tan();
+                (tangent + step * (1.0 + tangent * tangent)).atan()
+            }
+            _ => coordinate + step,
         }
     }
 
@@ -103,11 +134,55 @@ mod tests {
     use super::*;
 
     #[test]
+    fn steps_are_straight_in_what_a_parameter_acts_by() {
+        let parameter = |scale, acts_by| FreeParameter {
+            name: "p".into(),
+            unit: "1",
+            scale,
+            acts_by,
+            prior: Prior {
+                median: 1.0,
+                deviation: 1.0,
+            },
+            low: 0.01,
+            high: 10.0,
+        };
+        // k z^n, with a step along which it is the same to first order.
+        let modulus = parameter(Scale::Log, ActsBy::Coordinate);
+        let exponent = parameter(Scale::Log, ActsBy::Value);
+        let (k, n, log_sinkage) = (14.0, 0.8_f64.ln(), 0.03_f64.ln());
+        let log_pressure = |k: f64, n: f64| k + n.exp() * log_sinkage;
+        let step = 0.4;
+        let ahead = -n.exp() * step * log_sinkage;
+        let after = log_pressure(modulus.after(k, ahead), exponent.after(n, step));
+        assert!((after - log_pressure(k, n)).abs() < 1e-12);
+        // c + p tan(phi).
+        let cohesion = exponent;
+        let friction = parameter(Scale::Linear, ActsBy::Tangent);
+        let (c, phi, pressure) = (3e3_f64.ln(), 0.4_f64, 1e4);
+        let strength = |c: f64, phi: f64| c.exp() + pressure * phi.tan();
+        let step = -0.1;
+        let slope = pressure * (1.0 + phi.tan().powi(2));
+        let after = strength(
+            cohesion.after(c, -slope * step / c.exp()),
+            friction.after(phi, step),
+        );
+        assert!((after / strength(c, phi) - 1.0).abs() < 1e-12);
+        // Short steps are those of the coordinate; however long, a value stays positive.
+        for one in [&modulus, &cohesion, &friction] {
+            let slope = (one.after(0.5, 1e-6) - 0.5) / 1e-6;
+            assert!((slope - 1.0).abs() < 1e-5);
+            assert!(one.after(0.5, -5.0).is_finite());
+        }
+    }
+
+    #[test]
     fn intervals_of_logarithmic_parameters_are_factors() {
         let parameter = FreeParameter {
             name: "k".into(),
             unit: "1",
             scale: Scale::Log,
+            acts_by: ActsBy::Coordinate,
             prior: Prior {
                 median: 10.0,
                 deviation: 2f64.ln() / NORMAL_95,

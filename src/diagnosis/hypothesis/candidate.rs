@@ -189,6 +189,7 @@ fn physics(effect: usize, nominal: &Specification, maps: Maps) -> Vec<CandidateP
                     name: full,
                     unit: declared.unit,
                     scale,
+                    acts_by: parameter::ActsBy::Coordinate,
                     prior: parameter::Prior {
                         median: off,
                         deviation,

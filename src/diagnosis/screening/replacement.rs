@@ -23,7 +23,7 @@ use crate::diagnosis::hypothesis::candidate::Target;
 use crate::diagnosis::hypothesis::likelihood::FittedHypothesis;
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::effects::CATALOGUE;
-use crate::fit::parameter::{FreeParameter, Prior, Scale};
+use crate::fit::parameter::{ActsBy, FreeParameter, Prior, Scale};
 use crate::fit::problem::NoiseModel;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -356,6 +356,7 @@ fn append(
         name: "wrench".into(),
         unit: "1",
         scale: Scale::Linear,
+        acts_by: ActsBy::Coordinate,
         prior: Prior {
             median: 0.0,
             deviation: FARTHEST,

@@ -23,7 +23,7 @@ use crate::diagnosis::hypothesis::likelihood::FurtherColumns;
 use crate::diagnosis::hypothesis::{Problem, Solution};
 use crate::effects::{Acts, CATALOGUE, Declaration};
 use crate::fit::exact::ExactPredictor;
-use crate::fit::parameter::{FreeParameter, Prior, Scale};
+use crate::fit::parameter::{ActsBy, FreeParameter, Prior, Scale};
 use crate::fit::predictor::{Predictor, Request, Trajectory};
 use crate::fit::problem::NoiseModel;
 use crate::fit::segment::Segment;
@@ -200,6 +200,7 @@ pub fn append(problem: &Problem, on: &[usize], at: &Solution, system: &mut Syste
             name: format!("shape of {}", CATALOGUE[effect].name),
             unit: "1",
             scale: Scale::Linear,
+            acts_by: ActsBy::Coordinate,
             prior: Prior {
                 median: 0.0,
                 deviation: *deviation,

@@ -1,7 +1,7 @@
 //! Random starts where the fit has several minima, whose places are known.
 
 use super::synthetic::plain;
-use ugv_terrain::fit::parameter::{FreeParameter, Prior, Scale};
+use ugv_terrain::fit::parameter::{ActsBy, FreeParameter, Prior, Scale};
 use ugv_terrain::fit::predictor::{PredictionError, Predictor, Request, Trajectory};
 use ugv_terrain::fit::{Fit, Options, fit};
 use ugv_terrain::recording::{Channel, Recording, Run, Series};
@@ -114,6 +114,7 @@ fn parameter([low, high]: [f64; 2], median: f64, deviation: f64) -> FreeParamete
         name: "p".into(),
         unit: "1",
         scale: Scale::Linear,
+        acts_by: ActsBy::Coordinate,
         prior: Prior { median, deviation },
         low,
         high,

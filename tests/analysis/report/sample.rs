@@ -10,7 +10,7 @@ use ugv_terrain::effects::{CATALOGUE, Effects};
 use ugv_terrain::fit::{
     Estimate, NoiseEstimate,
     noise::ChannelNoise,
-    parameter::{FreeParameter, Prior, Scale},
+    parameter::{ActsBy, FreeParameter, Prior, Scale},
     signal::NoiseGroup,
 };
 use ugv_terrain::terrain::Terrain;
@@ -360,6 +360,7 @@ fn soil(verdict: Verdict) -> Vec<(Estimate, Estimate)> {
             name: name.into(),
             unit,
             scale: Scale::Log,
+            acts_by: ActsBy::Coordinate,
             prior: Prior {
                 median: nominal,
                 deviation: 0.5,
