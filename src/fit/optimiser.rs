@@ -133,6 +133,8 @@ struct Step {
     reach: f64,
     /// The cost that the linearised problem expects of each segment.
     segment_costs: Vec<f64>,
+    /// The segments whose start was fitted alone since the search began, or last left less than [`FALLING`] of the cost.
+    fitted_alone: Vec<bool>,
 }
 
 /// Where the search stands.
@@ -145,7 +147,7 @@ struct Stand {
     age: usize,
     /// The segments whose start was fitted alone on the way here. What their derivatives still promise, as on one side of a
     /// kink where a wheel's slip changes sign, is not counted on.
-    settled: Vec<bool>,
+    fitted_alone: Vec<bool>,
 }
 
 impl Stand {
@@ -154,16 +156,15 @@ impl Stand {
         point: Point,
         tables: Vec<Tables>,
         by: &NoiseModel,
-        settled: Vec<bool>,
+        fitted_alone: Vec<bool>,
     ) -> Self {
         let mut normals = normals(problem, &tables, &point, by);
-        for (normal, settled) in normals.iter_mut().zip(&settled) {
-            if *settled {
-                normal.start_gradient.fill(0.0);
-            }
+        let marked = normals.iter_mut().zip(&fitted_alone);
+        for (normal, _) in marked.filter(|(_, alone)| **alone) {
+            normal.start_gradient.fill(0.0);
         }
         Self {
-            settled,
+            fitted_alone,
             cost: total(problem, &normals, &point),
             point,
             tables,
@@ -177,20 +178,19 @@ impl Stand {
         outlying_excess(problem, self.normals.iter().map(|normal| normal.cost))
     }
 
-    /// At another point with the derivatives of this one.
+    /// After a step, with the derivatives of this point.
     fn moved<P: Predictor>(
         &self,
         problem: &ShootingProblem<P>,
-        point: Point,
+        step: Step,
         residuals: &[Tables],
         by: &NoiseModel,
-        settled: Vec<bool>,
     ) -> Self {
         let pairs = self.tables.iter().zip(residuals);
         let tables = pairs.map(|(old, new)| old.with_residuals(new)).collect();
         Self {
             age: self.age + 1,
-            ..Self::new(problem, point, tables, by, settled)
+            ..Self::new(problem, step.point, tables, by, step.fitted_alone)
         }
     }
 }
@@ -218,9 +218,9 @@ pub fn minimise_from<P: Predictor>(
     by: &NoiseModel,
     stop: Stop,
 ) -> Minimum {
-    let stand = |point: Point, settled: Vec<bool>| {
+    let stand = |point: Point, fitted_alone: Vec<bool>| {
         let tables = problem.evaluate(&point, true)?;
-        Ok(Stand::new(problem, point, tables, by, settled))
+        Ok(Stand::new(problem, point, tables, by, fitted_alone))
     };
     let none = vec![false; problem.segments.len()];
     let mut here = Stand::new(problem, point.clone(), tables, by, none);
@@ -228,7 +228,7 @@ pub fn minimise_from<P: Predictor>(
     let mut sure = None;
     // With derivatives of this point; where there are none, the last one that had some.
     let renewed = |here: Stand, sure: &mut Option<Stand>| {
-        let renewed = stand(here.point.clone(), here.settled.clone());
+        let renewed = stand(here.point.clone(), here.fitted_alone.clone());
         renewed.unwrap_or_else(|_: PredictionError| sure.take().unwrap_or(here))
     };
     let first = here.cost;
@@ -280,18 +280,9 @@ pub fn minimise_from<P: Predictor>(
             damping *= 10.0;
             continue;
         };
-        let mut settled_starts = here.settled.clone();
         let mut trial = problem.evaluate_unless_one_fails(&step.point, false);
         let trial_cost = trial.as_mut().map_or(f64::INFINITY, |residuals| {
-            let costs = settle_starts(
-                problem,
-                &here,
-                &mut step,
-                residuals,
-                by,
-                stop.gain,
-                &mut settled_starts,
-            );
+            let costs = fit_starts_alone(problem, &here, &mut step, residuals, by, stop.gain);
             costs.iter().sum::<f64>() + problem.prior_cost(&step.point.coordinates)
         });
         let gained = here.cost - trial_cost;
@@ -313,18 +304,19 @@ pub fn minimise_from<P: Predictor>(
         settled |= vain >= VAIN_STEPS;
         // Far from the end derivatives are soon others.
         if trial_cost < FALLING * here.cost {
-            settled_starts.fill(false);
+            step.fitted_alone.fill(false);
         }
+        let step_reach = step.reach;
         // A point whose neighbours cannot be predicted is as good as none.
         let moved = match trial {
             Some(residuals)
                 if (ratio - 1.0).abs() < LINEAR
-                    && (step.reach < SHORT || !curved)
+                    && (step_reach < SHORT || !curved)
                     && here.age < CHORDS =>
             {
-                Some(here.moved(problem, step.point, &residuals, by, settled_starts))
+                Some(here.moved(problem, step, &residuals, by))
             }
-            Some(_) if ratio > 1e-4 => stand(step.point, settled_starts).ok(),
+            Some(_) if ratio > 1e-4 => stand(step.point, step.fitted_alone).ok(),
             _ => None,
         };
         if let Some(there) = moved {
@@ -343,7 +335,7 @@ pub fn minimise_from<P: Predictor>(
             curved = true;
             here = renewed(here, &mut sure);
         } else {
-            reach = 0.3 * reach.min(step.reach);
+            reach = 0.3 * reach.min(step_reach);
             if trial_cost.is_finite() {
                 damping *= growth;
                 growth *= 2.0;
@@ -370,7 +362,13 @@ fn restarted<P: Predictor>(
     let costs = here.normals.iter().map(|normal| normal.cost);
     let starts = outlying_restarted(problem, &here.point, by, costs)?;
     let (point, tables) = moved(problem, &here.point, &here.tables, starts)?;
-    let there = Stand::new(problem, point, tables, by, vec![false; here.settled.len()]);
+    let there = Stand::new(
+        problem,
+        point,
+        tables,
+        by,
+        vec![false; here.fitted_alone.len()],
+    );
     (there.cost < here.cost).then_some(there)
 }
 
@@ -407,14 +405,13 @@ fn total<P: Predictor>(problem: &ShootingProblem<P>, normals: &[Normal], point: 
 /// a second: one such start would hold up all parameters. A segment depends on no other start, so each is fitted alone
 /// ("embedded point iterations" in Y. Jeong et al., "Pushing the envelope of modern methods for bundle adjustment",
 /// 2012). Marks those, expects of them what they do, and returns the segments' costs.
-fn settle_starts<P: Predictor>(
+fn fit_starts_alone<P: Predictor>(
     problem: &ShootingProblem<P>,
     here: &Stand,
     step: &mut Step,
     residuals: &mut [Tables],
     by: &NoiseModel,
     worth: f64,
-    settled_starts: &mut [bool],
 ) -> Vec<f64> {
     let mut costs = problem.segment_costs(residuals, &step.point, by);
     let tolerated = (EXCESS * step.expected_gain).max(worth);
@@ -424,7 +421,7 @@ fn settle_starts<P: Predictor>(
         return costs;
     }
     let values = problem.values(&step.point);
-    let settle = |index: &usize| {
+    let alone = |index: &usize| {
         let cost_at = |start: &[f64; START]| {
             let pair = (&problem.segments[*index], start);
             let tables = problem.predicted(pair, &step.point, &values, false).ok()?;
@@ -448,14 +445,14 @@ fn settle_starts<P: Predictor>(
         let (cost, tables) = cost_at(&start)?;
         (cost < costs[*index]).then_some((*index, start, cost, tables))
     };
-    let found: Vec<_> = exceeding.par_iter().filter_map(settle).collect();
+    let found: Vec<_> = exceeding.par_iter().filter_map(alone).collect();
     for (index, start, cost, tables) in found {
         step.point.starts[index] = start;
         costs[index] = cost;
         residuals[index] = tables;
     }
     for index in exceeding {
-        settled_starts[index] = true;
+        step.fitted_alone[index] = true;
         step.expected_gain -= costs[index] - step.segment_costs[index];
     }
     costs
@@ -518,5 +515,6 @@ fn propose<P: Predictor>(
         expected_gain,
         reach: far,
         segment_costs,
+        fitted_alone: here.fitted_alone.clone(),
     })
 }
