@@ -53,20 +53,11 @@ pub fn cheapest(
             .min_by(cheaper)
             .map(|best| best.1);
     }
-    // A hidden effect's sign is as uncertain as its size. Small steps come first: after useless ones, larger steps
-    // hardly succeed and take long.
+    // Small steps come first: after useless ones, larger steps hardly succeed and take long.
     let cost_ceiling = cost(before) + MAX_EXCESS;
-    let mut found = Vec::new();
-    for sign in [1.0, -1.0] {
-        for share in SHARES.iter().rev() {
-            let initial = at(sign * share);
-            if initial.0 > cost_ceiling {
-                break;
-            }
-            found.push(initial);
-        }
-    }
-    found.into_iter().min_by(cheaper).map(|best| best.1)
+    let found = SHARES.into_iter().rev().map(at);
+    let found = found.take_while(|initial| initial.0 <= cost_ceiling);
+    found.min_by(cheaper).map(|best| best.1)
 }
 
 /// The segments that a time interval reaches, if the proposal changes no others.
@@ -122,7 +113,7 @@ pub fn settled(
     noise: &NoiseModel,
 ) -> Option<Solution> {
     let of_a_run = matches!(proposal.extent, Some(Region::Run(_)));
-    if !of_a_run && !is_unseen(problem, proposal) {
+    if !of_a_run && !proposal.hidden {
         return None;
     }
     let initial = Solution {
@@ -166,13 +157,6 @@ pub fn continued(
         }
     }
     best.map(|best| best.solution)
-}
-
-/// Whether it is hidden and has no derivative at "off".
-#[must_use]
-pub fn is_unseen(problem: &Problem, proposal: &Proposal) -> bool {
-    let mut own = proposal.coefficients.iter();
-    proposal.hidden && own.any(|coefficient| problem.candidates[*coefficient].secant.is_some())
 }
 
 /// The fit of everything else beside held coefficients of a proposal. `None` if the model cannot follow it.

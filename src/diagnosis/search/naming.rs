@@ -5,7 +5,7 @@
 //! data no worse (blocked cross-validation, see `held_out`). Then everything is screened again beside it.
 
 use super::accepted::{NOTHING, TAKE};
-use super::initial_guess::{LOST, after_steps, cheapest, compared, continued, is_unseen, settled};
+use super::initial_guess::{LOST, after_steps, cheapest, compared, continued, settled};
 use super::own_noise::OwnNoise;
 use super::proposal::{Proposal, ProposalKind};
 use crate::diagnosis::hypothesis::held_out::{Scores, scores};
@@ -254,7 +254,7 @@ pub fn partial_fit<'a>(
         fit.into_iter().chain(other).min_by(likelier)
     };
     // After failures: continuation from "off".
-    if is_unseen(&problem, proposal)
+    if proposal.hidden
         && fit.as_ref().is_none_or(lost)
         && let Some(initial) = continued(&problem, proposal, before, noise)
     {
