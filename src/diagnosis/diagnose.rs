@@ -61,7 +61,7 @@ use crate::vehicle::Specification;
 ///    the posterior of the others. A candidate that scores worse by more than a standard error is not accepted.
 /// 9. *Selection.* The candidate with the largest log odds is accepted, if these exceed those of "nothing" by a
 ///    margin. Steps 5 to 8 repeat beside it, up to four times. Then accepted effects that the others explain are
-///    removed, and close rivals are fitted once more beside the final set.
+///    removed, and close rivals of all but the last are fitted once more beside the final set.
 /// 10. *Posterior.* The rivals of each accepted effect and "nothing" share its probability by their log odds l. For
 ///     those that were ranked, l / sqrt(1 + pi s^2 / 8), with the standard error s of their distance from blocks of
 ///     time; for the others, l divided by a temperature for the scatter of evidence between recordings. "Unknown" takes

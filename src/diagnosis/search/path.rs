@@ -368,7 +368,8 @@ impl<'a> Path<'a> {
             };
             let mut accepted = self.accepted.iter();
             let place = accepted.position(|effect| is(&effect.proposal));
-            let Some(index) = place.filter(|_| self.accepted.len() > 1) else {
+            // The rivals of the last one were fitted beside all others.
+            let Some(index) = place.filter(|index| index + 1 < self.accepted.len()) else {
                 continue;
             };
             let close = self.accepted[index].close();
