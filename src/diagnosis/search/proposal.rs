@@ -457,6 +457,21 @@ mod tests {
     use crate::vehicle::{ModelParameter, Specification, Vehicle};
 
     #[test]
+    fn what_is_hidden_begins_within_its_range() {
+        let loam = Terrain::preset("sandy_loam").unwrap();
+        let nominal = Specification::plain(Vehicle::tran2007(), loam);
+        let problem = Problem::new(&nominal, &[]);
+        let all = problem.candidates.coefficients.iter();
+        let hidden: Vec<_> = all.filter(|one| one.secant.is_some()).collect();
+        assert!(hidden.iter().any(|one| one.name == "pressure"));
+        for one in hidden {
+            let (low, high) = one.parameter.bounds();
+            assert!((low..=high).contains(&one.typical), "{}", one.name);
+            assert_ne!(one.typical, one.off(), "{}", one.name);
+        }
+    }
+
+    #[test]
     fn the_load_shifts_the_centre_of_mass_as_much() {
         let vehicle = Vehicle::tran2007();
         let (own, offset) = (vehicle.mass, vehicle.com_offset);
