@@ -54,14 +54,14 @@ use crate::vehicle::Specification;
 ///    is scanned for each candidate and for an unmodelled wrench; the best one pays ln(number of regions) of log B.
 ///    Forward selection by log B proposes an empirical residual model of up to three terms.
 /// 7. *Evidence.* The best proposals are fitted in full, from several initial guesses. Integrating soil, initial
-///    states and effects by Laplace's method, -2 ln E = cost + ln det H - ln det P, H = J^T S J + P. Edges of
-///    regions are refined in the full fit. Close candidates are ranked by the restricted likelihood of step 3, each under its
-///    own noise, as is the model without them.
+///    states and effects by Laplace's method, -2 ln E = cost + ln det H - ln det P, H = J^T S J + P. Close
+///    candidates are ranked by the restricted likelihood of step 3, each under its own noise, as is the model without
+///    them.
 /// 8. *Held-out score.* Blocks of neighbouring segments are left out; each is scored by its log predictive density under
 ///    the posterior of the others. A candidate that scores worse by more than a standard error is not accepted.
 /// 9. *Selection.* The candidate with the largest log odds is accepted, if these exceed those of "nothing" by a
 ///    margin. Steps 5 to 8 repeat beside it, up to four times. Then accepted effects that the others explain are
-///    removed, and close rivals of all but the last are fitted once more beside the final set.
+///    removed, and other mechanisms are fitted in the place of each that is left, beside all others.
 /// 10. *Posterior.* The rivals of each accepted effect and "nothing" share its probability by their log odds l. For
 ///     those that were ranked, l / sqrt(1 + pi s^2 / 8), with the standard error s of their distance from blocks of
 ///     time; for the others, l divided by a temperature for the scatter of evidence between recordings. "Unknown" takes

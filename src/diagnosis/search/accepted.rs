@@ -11,16 +11,6 @@ pub const NOTHING: f64 = 4.5;
 /// Log prior odds that what the neighbourhood of a name explains is that mechanism and none outside the catalogue.
 pub const CATALOGUED: f64 = 5.0;
 
-/// Candidates are close within this difference and share of the largest log odds.
-const CLOSE: f64 = 4.5;
-const CLOSE_SHARE: f64 = 0.045;
-
-/// Lower limit of log odds that are close to the best.
-#[must_use]
-pub fn close_to(best: f64) -> f64 {
-    best - CLOSE - CLOSE_SHARE * best
-}
-
 /// A candidate with its log odds in the place of an accepted effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rival {
@@ -81,21 +71,13 @@ pub fn is_mended(accepted: &[AcceptedEffect], index: usize) -> bool {
 
 impl AcceptedEffect {
     /// Log odds of a subject in its place.
-    fn odds(&self, subject: Subject) -> f64 {
+    #[must_use]
+    pub fn odds(&self, subject: Subject) -> f64 {
         let own = self.rivals.iter().filter(|one| one.subject == subject);
         own.map(|one| one.odds).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// It and what came close to it, each once.
-    #[must_use]
-    pub fn close(&self) -> Vec<Subject> {
-        let bar = close_to(self.odds(self.proposal.subject));
-        let close = likeliest_first(&self.rivals).into_iter();
-        let close = close.take_while(|one| one.odds > bar);
-        close.map(|one| one.subject).collect()
-    }
-
-    /// Takes over the odds of later fits. The other rivals keep their distance.
+    /// Takes over the odds of later fits, also of what was not fitted before. The other rivals keep their distance.
     pub fn stand_anew(&mut self, fitted: &[Rival]) {
         let fitted = likeliest_first(fitted);
         let anew = |subject: Subject| fitted.iter().find(|one| one.subject == subject);
@@ -107,6 +89,20 @@ impl AcceptedEffect {
             match anew(rival.subject) {
                 Some(anew) => *rival = *anew,
                 None => rival.odds += now.odds - before,
+            }
+        }
+        let known: Vec<Subject> = self.rivals.iter().map(|one| one.subject).collect();
+        let new = fitted.into_iter();
+        self.rivals
+            .extend(new.filter(|one| !known.contains(&one.subject)));
+    }
+
+    /// Limits the log odds of rivals relative to its own.
+    pub fn limit(&mut self, far: &[(Subject, f64)]) {
+        let own = self.odds(self.proposal.subject);
+        for rival in &mut self.rivals {
+            if let Some((_, behind)) = far.iter().find(|(subject, _)| *subject == rival.subject) {
+                rival.odds = rival.odds.min(own + behind);
             }
         }
     }
@@ -149,23 +145,19 @@ mod tests {
     }
 
     #[test]
-    fn what_came_close_is_asked_for_again() {
-        let one = effect(&[(0, 1000.0), (1, 960.0), (2, 900.0)]);
-        assert_eq!(one.close(), [Subject::Effect(0), Subject::Effect(1)]);
-        assert_eq!(effect(&[(0, 20.0), (1, 10.0)]).close().len(), 1);
-        // The same subject, for some seconds and throughout, counts once.
-        assert_eq!(effect(&[(0, 100.0), (0, 99.0)]).close().len(), 1);
-    }
-
-    #[test]
     fn odds_of_a_later_fit_count_and_the_rest_stays_as_far_behind() {
         let mut one = effect(&[(0, 100.0), (1, 98.0), (2, 60.0)]);
         let fitted = |effect: usize, odds: f64| Rival::new(Subject::Effect(effect), odds);
         one.stand_anew(&[fitted(1, 900.0), fitted(0, 1000.0)]);
         let odds: Vec<f64> = one.rivals.iter().map(|one| one.odds).collect();
         assert_eq!(odds, [1000.0, 900.0, 960.0]);
+        one.stand_anew(&[fitted(0, 1000.0), fitted(3, 1010.0)]);
+        assert_eq!(one.rivals[3].odds, 1010.0);
+        one.limit(&[(Subject::Effect(2), -50.0), (Subject::Effect(1), -200.0)]);
+        let odds: Vec<f64> = one.rivals.iter().map(|one| one.odds).collect();
+        assert_eq!(odds, [1000.0, 800.0, 950.0, 1010.0]);
         // A rival that was not fitted again has no new odds.
         one.stand_anew(&[fitted(1, 5.0)]);
-        assert_eq!(one.rivals[1].odds, 900.0);
+        assert_eq!(one.rivals[1].odds, 800.0);
     }
 }

@@ -203,10 +203,42 @@ mod tests {
     use crate::diagnosis::Subject;
     use crate::diagnosis::hypothesis::Problem;
     use crate::diagnosis::screening::region::RunInterval;
-    use crate::diagnosis::search::edges::tests::{drag, slowed};
     use crate::diagnosis::search::naming::ANY;
-    use crate::diagnosis::testing::{on, refitted};
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    use crate::effects::CATALOGUE;
+    use crate::recording::Recording;
+    use crate::vehicle::Specification;
     use nalgebra::DMatrix;
+
+    /// A vehicle and its recording, on which it was slowed from 6.7 s to 12.15 s.
+    fn slowed() -> (Specification, [Recording; 1]) {
+        let nominal = on("sandy_loam");
+        let text = r#"{"drag": {"coefficient": 150}, "window": {"effects": ["drag"], "time": [6.7, 12.15]}}"#;
+        let slowed = with_effects(&nominal, text);
+        let recording = driven(&slowed, "slalom");
+        (nominal, [recording])
+    }
+
+    /// Drag from 6.9 s to 12.4 s, fitted.
+    fn drag<'a>(stage: &Stage<'a>, noise: &NoiseModel) -> FittedCandidate<'a> {
+        let drag = CATALOGUE.iter().position(|e| e.name == "drag").unwrap();
+        let subject = Subject::Effect(drag);
+        let coefficients: Vec<usize> = stage.problem.candidates.of(subject).collect();
+        let proposal = Proposal {
+            extent: Some(Region::Time(RunInterval {
+                recording: 0,
+                run: 0,
+                start: 6.9,
+                end: 12.4,
+            })),
+            steps: vec![(coefficients[0], DVector::repeat(1, 100.0))],
+            price: 7.0,
+            soil: DVector::zeros(stage.problem.soil.len()),
+            ..Proposal::new(subject, coefficients)
+        };
+        let started = partial_fit(&stage.problem, &proposal, &stage.fit, noise, 1.0, ANY).unwrap();
+        finish(started, &stage.fit, noise).unwrap()
+    }
 
     #[test]
     fn everything_is_proposed_where_the_likeliest_acts() {

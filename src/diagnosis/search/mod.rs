@@ -6,7 +6,6 @@
 pub mod accepted;
 pub mod choice;
 mod colocated;
-pub mod edges;
 pub mod initial_guess;
 pub mod naming;
 pub mod own_noise;

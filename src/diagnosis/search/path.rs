@@ -5,11 +5,11 @@
 
 use super::accepted::{AcceptedEffect, CATALOGUED, NOTHING, Rival};
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
-use super::edges::refine_under_own_noise;
 use super::naming::FittedCandidate;
 use super::own_noise::{OwnNoise, under_own_noise};
 use super::proposal::{Proposal, ProposalKind};
 use super::prune::{prune, without};
+use super::replaced::{RivalsInPlace, rivals_in_place};
 use super::stage::{Stage, screen_again};
 use super::trial::try_all;
 use super::unstuck::{AGAIN, unstuck};
@@ -138,7 +138,6 @@ impl<'a> Path<'a> {
             if let Some(own) = best.own.take() {
                 (best.fit, self.noise) = (own.fit, own.noise);
             }
-            refine_under_own_noise(&mut best, &self.noise);
             self.accepted.push(AcceptedEffect {
                 proposal: best.proposal,
                 gain: self.on_whole(gain),
@@ -347,60 +346,72 @@ impl<'a> Path<'a> {
         self.walk(fitted, Prefer::Nothing, options, progress)
     }
 
-    /// Early effects were accepted while others were missing. Close rivals are fitted once more beside the rest:
-    /// their distance then counts, and the likelier one is accepted.
+    /// Early effects were accepted while others were missing. Other mechanisms are fitted in the place of each, beside all
+    /// others: their distance then counts, and the likelier one is accepted.
     fn exchanged(
         mut self,
         options: &Options,
         progress: &'a Progress,
     ) -> Result<Self, DiagnosisError> {
-        let all = self.accepted.iter().map(|m| &m.proposal);
-        let all: Vec<_> = all.map(|p| (p.subject, p.coefficients.clone())).collect();
-        for (subject, coefficients) in all {
-            // Two may be residual models, one of them with fewer terms than at first.
-            let has = |proposal: &Proposal| {
-                coefficients
-                    .iter()
-                    .all(|k| proposal.coefficients.contains(k))
-            };
-            let is = |proposal: &Proposal| {
-                proposal.subject == subject && (subject != Subject::Unknown || has(proposal))
-            };
+        // Beside what mends one formula, other names look alike.
+        if self.accepted.len() < 2 || self.accepted.iter().any(|effect| effect.mends) {
+            return Ok(self);
+        }
+        let all = self.accepted.iter().map(|effect| &effect.proposal);
+        let all: Vec<Vec<usize>> = all.map(|one| one.coefficients.clone()).collect();
+        for coefficients in all {
             let mut accepted = self.accepted.iter();
-            let place = accepted.position(|effect| is(&effect.proposal));
-            // The rivals of the last one were fitted beside all others.
-            let Some(index) = place.filter(|index| index + 1 < self.accepted.len()) else {
-                continue;
-            };
-            let close = self.accepted[index].close();
-            // Beside what mends one formula, other names look alike.
-            let mended = self.accepted.iter().any(|effect| effect.mends);
-            if close.len() < 2 || mended || progress.is_late() {
+            let place = accepted.position(|effect| effect.proposal.coefficients == coefficients);
+            let Some(index) = place else { continue };
+            let proposal = self.accepted[index].proposal.clone();
+            if proposal.kind() == ProposalKind::Local || progress.is_late() {
                 continue;
             }
             progress.step("refitting close rivals")?;
-            let Some(mut path) = self.without_effect(index, options, progress)? else {
-                continue;
-            };
-            let proposals = &mut path.stage.proposals;
-            proposals.retain(|proposal| close.contains(&proposal.subject));
-            let fitted = try_all(&path.stage, &path.noise, progress)?;
+            let RivalsInPlace { near, far } = rivals_in_place(&self.stage, &proposal, &self.noise);
             if progress.is_late() {
                 break;
             }
-            match choose(&fitted, &path.stage, Prefer::Nothing) {
-                Some(best) if is(&best.proposal) => {
-                    let rivals = path.rivals(&fitted, best.own.as_ref());
-                    self.accepted[index].stand_anew(&rivals);
+            self.accepted[index].limit(&far);
+            if near.is_empty() {
+                continue;
+            }
+            let Stage { problem, fit, .. } = &self.stage;
+            let own = under_own_noise(problem, fit, &self.noise);
+            if progress.is_late() {
+                break;
+            }
+            let worth = |one: &Proposal, own: &OwnNoise| {
+                let (catalogued, evidence) = match one.kind() {
+                    ProposalKind::ResidualModel => (CATALOGUED, own.exact),
+                    _ => (0.0, own.evidence.negative_log),
+                };
+                one.log_prior() - one.price - catalogued - evidence
+            };
+            let odds = self.accepted[index].odds(proposal.subject);
+            let rivals = near.iter().map(|(other, with)| Rival {
+                subject: other.subject,
+                odds: odds + worth(other, with) - worth(&proposal, &own),
+                scatter: with.scatter(&own),
+            });
+            let mut rivals: Vec<Rival> = rivals.collect();
+            rivals.push(Rival::new(proposal.subject, odds));
+            self.accepted[index].stand_anew(&rivals);
+            let best = rivals.iter().zip(near);
+            let best = best.max_by(|(a, _), (b, _)| a.odds.total_cmp(&b.odds));
+            if let Some((rival, (other, with))) = best
+                && rival.odds > odds
+            {
+                let mut path = self.clone();
+                path.accepted[index].proposal = other;
+                path.noise = with.noise;
+                let problem = path.stage.problem.clone();
+                path.stage = path.rescreened(problem, with.fit, options, progress)?;
+                let fitted = path.further_candidates(progress)?;
+                let path = path.walk(fitted, Prefer::Nothing, options, progress)?;
+                if path.advantage(&self) > 0.0 && !progress.is_late() {
+                    self = path;
                 }
-                Some(_) => {
-                    let other = path.walk(fitted, Prefer::Nothing, options, progress)?;
-                    let advantage = other.advantage(&self);
-                    if advantage > 0.0 && !progress.is_late() {
-                        self = other;
-                    }
-                }
-                None => {}
             }
         }
         Ok(self)

@@ -7,13 +7,15 @@
 
 use super::initial_guess::after_steps;
 use super::naming::{FittedCandidate, PartialFit, finish};
+use super::own_noise::{OwnNoise, under_own_noise};
 use super::proposal::{Proposal, ProposalKind};
 use super::rerank::AT_STAKE;
 use super::stage::Stage;
 use crate::diagnosis::Subject;
-use crate::diagnosis::hypothesis::Solution;
-use crate::diagnosis::hypothesis::likelihood::{LONG_PARTIAL_FIT, fit_until};
+use crate::diagnosis::hypothesis::Problem;
+use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, LONG_PARTIAL_FIT, fit_until};
 use crate::diagnosis::screening::replacement::{Replacement, replacements};
+use crate::fit::optimiser::Stop;
 use crate::fit::problem::NoiseModel;
 
 /// The linearised odds of a mechanism may miss its fit by this, and by this share of what the likeliest gains there.
@@ -79,6 +81,67 @@ pub fn replaced<'a>(
     fits.collect()
 }
 
+/// Other mechanisms in the place of an accepted effect beside all others.
+#[derive(Debug, Default)]
+pub struct RivalsInPlace {
+    /// Fits under the noise that they leave, of those that the linearised problem puts near the effect.
+    pub near: Vec<(Proposal, OwnNoise)>,
+    /// Those that it puts far behind, and upper limits of their log odds relative to the effect.
+    pub far: Vec<(Subject, f64)>,
+}
+
+/// Other mechanisms in the place of an accepted effect that acts throughout.
+#[must_use]
+pub fn rivals_in_place(stage: &Stage, effect: &Proposal, noise: &NoiseModel) -> RivalsInPlace {
+    let Stage { problem, fit, .. } = stage;
+    let own = &effect.coefficients;
+    let (all, removed) = replacements(problem, fit, own, noise);
+    let unsure = UNSURE + UNSURE_SHARE * removed.max(0.0);
+    let others = all.iter().filter(|one| one.subject != effect.subject);
+    let (near, far): (Vec<_>, Vec<_>) = others.partition(|one| one.odds > -unsure);
+    let lost = fit.misfit + unsure;
+    let stop = LONG_PARTIAL_FIT.unless_above(2.0 * (lost + UNSURE));
+    let near = near.into_iter().take(MAX_FITS).filter_map(|one| {
+        let (proposal, fit) = first_fit(problem, fit, own, one, noise, stop)?;
+        let is_near = fit.misfit - fit.predicted_reduction < lost + UNSURE;
+        is_near.then(|| (proposal, under_own_noise(problem, &fit, noise)))
+    });
+    let far = far.into_iter();
+    RivalsInPlace {
+        near: near.collect(),
+        far: far.map(|one| (one.subject, one.odds + unsure)).collect(),
+    }
+}
+
+/// First steps of a mechanism in the place of some coefficients of a fit, from where the linearised problem puts it.
+fn first_fit(
+    problem: &Problem,
+    fit: &FittedHypothesis,
+    own: &[usize],
+    one: &Replacement,
+    noise: &NoiseModel,
+    stop: Stop,
+) -> Option<(Proposal, FittedHypothesis)> {
+    let proposal = Proposal {
+        soil: one.soil.clone(),
+        ..Proposal::new(one.subject, problem.candidates.of(one.subject).collect())
+    };
+    let others = fit.coefficients.iter().filter(|k| !own.contains(k));
+    let coefficients: Vec<usize> = others.chain(&proposal.coefficients).copied().collect();
+    let mut there = problem.turned_off(&fit.solution, own.iter().copied());
+    for recording in &mut there.coefficients {
+        for k in &proposal.coefficients {
+            recording[*k] = problem.candidates[*k].typical;
+        }
+        for (k, at) in &one.coordinates {
+            recording[*k] = *at;
+        }
+    }
+    let start = after_steps(problem, &proposal, &there, 1.0);
+    let fit = fit_until(problem, &coefficients, &start, noise, stop).ok()?;
+    Some((proposal, fit))
+}
+
 /// A mechanism's fit from where the linearised problem puts it, finished if it may reach `min_odds`.
 fn in_place_of<'a>(
     stage: &Stage<'a>,
@@ -89,24 +152,8 @@ fn in_place_of<'a>(
 ) -> Option<FittedCandidate<'a>> {
     let before = &stage.fit;
     let problem = &stage.problem;
-    let proposal = Proposal {
-        soil: one.soil.clone(),
-        ..Proposal::new(one.subject, problem.candidates.of(one.subject).collect())
-    };
-    let mut coefficients = before.coefficients.clone();
-    coefficients.extend(&proposal.coefficients);
-    let mut there: Solution = best.fit.solution.clone();
-    there.take(&best.proposal.coefficients, &before.solution);
-    for recording in &mut there.coefficients {
-        for k in &proposal.coefficients {
-            recording[*k] = problem.candidates[*k].typical;
-        }
-        for (k, at) in &one.coordinates {
-            recording[*k] = *at;
-        }
-    }
-    let start = after_steps(problem, &proposal, &there, 1.0);
-    let fit = fit_until(problem, &coefficients, &start, noise, LONG_PARTIAL_FIT).ok()?;
+    let own = &best.proposal.coefficients;
+    let (proposal, fit) = first_fit(problem, &best.fit, own, one, noise, LONG_PARTIAL_FIT)?;
     // All of them relative to the same.
     let without = best.gain + best.fit.negative_log_evidence + best.proposal.price;
     let partial = PartialFit {
@@ -122,4 +169,37 @@ fn in_place_of<'a>(
         gain: without - fit.fit.negative_log_evidence,
         ..fit
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::search::naming::{ANY, partial_fit};
+    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    use crate::effects::CATALOGUE;
+
+    #[test]
+    fn likelier_names_are_found_in_the_place_of_a_wrong_one() {
+        let nominal = on("sandy_loam");
+        let truth = with_effects(&nominal, r#"{"drag": {"coefficient": 150}}"#);
+        let recordings = [driven(&truth, "slalom")];
+        let (mut stage, noise) = refitted(&nominal, &recordings);
+        let subject =
+            |name: &str| Subject::Effect(CATALOGUE.iter().position(|e| e.name == name).unwrap());
+        let proposed = |name: &str| {
+            let coefficients = stage.problem.candidates.of(subject(name)).collect();
+            Proposal::new(subject(name), coefficients)
+        };
+        let tow = proposed("drawbar");
+        let wrong = partial_fit(&stage.problem, &tow, &stage.fit, &noise, 1.0, ANY).unwrap();
+        let own = under_own_noise(&stage.problem, &wrong.fit, &noise);
+        stage.fit = wrong.fit;
+        let rivals = rivals_in_place(&stage, &tow, &noise);
+        assert!(!rivals.near.is_empty() && !rivals.far.is_empty());
+        for (one, with) in &rivals.near {
+            assert_ne!(one.subject, tow.subject);
+            assert!(with.evidence.negative_log < own.evidence.negative_log - 5.0);
+        }
+        assert!(rivals.far.iter().all(|(_, odds)| *odds <= 0.0));
+    }
 }

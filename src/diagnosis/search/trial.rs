@@ -1,7 +1,6 @@
 //! Full fits of the proposals of a stage: first steps for all, the promising ones are finished.
 
 use super::colocated::{beside_the_likeliest, fitted_there, join, likeliest, otherwise_confined};
-use super::edges::refine_edges;
 use super::naming::{FittedCandidate, PartialFit, finish, partial_fit};
 use super::proposal::{Proposal, ProposalKind};
 use super::replaced::{replaced, take_over};
@@ -77,8 +76,6 @@ pub fn try_all<'a>(
         };
         list.extend(finished);
     }
-    let largest = best(&fitted);
-    refine_edges(&mut fitted, largest, noise);
     for where_else in [beside_the_likeliest, otherwise_confined] {
         progress.go_on()?;
         let likeliest = likeliest(&fitted).filter(|_| !progress.is_late());
@@ -87,9 +84,7 @@ pub fn try_all<'a>(
         };
         let there = where_else(stage, &fitted);
         let min_odds = NEAR_THERE * best(&fitted) - CLOSE;
-        let mut there = fitted_there(stage, &there, likeliest, min_odds, noise);
-        let largest = best(&fitted).max(best(&there));
-        refine_edges(&mut there, largest, noise);
+        let there = fitted_there(stage, &there, likeliest, min_odds, noise);
         if !progress.is_late() {
             join(&mut fitted, there);
         }
