@@ -5,8 +5,8 @@ use super::hypothesis::likelihood::{FittedHypothesis, fit_with_noise};
 use super::hypothesis::prepare::prepare;
 pub use super::manoeuvre::rehearsal::tests::driven;
 use super::search::stage::{Stage, screen};
-use super::{Options, Progress};
-use crate::effects::Effects;
+use super::{Options, Progress, Subject};
+use crate::effects::{CATALOGUE, Effects};
 use crate::fit::problem::NoiseModel;
 use crate::recording::{Channel, Recording, Run, Series};
 use crate::terrain::Terrain;
@@ -23,6 +23,11 @@ pub fn with_effects(nominal: &Specification, effects: &str) -> Specification {
         effects: Effects::from_json(effects).unwrap(),
         ..nominal.clone()
     }
+}
+
+/// An effect of the catalogue.
+pub fn named(name: &str) -> Subject {
+    Subject::Effect(CATALOGUE.iter().position(|one| one.name == name).unwrap())
 }
 
 /// A problem cut into segments, its soil refitted, and the noise.

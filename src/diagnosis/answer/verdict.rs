@@ -345,6 +345,7 @@ fn rival_set(probability: f64, nothing: f64, others: &[(Subject, f64)]) -> Vec<(
 mod tests {
     use super::*;
     use crate::diagnosis::search::proposal::Proposal;
+    use crate::diagnosis::testing::named;
     use proptest::prelude::*;
 
     #[test]
@@ -365,8 +366,6 @@ mod tests {
 
     #[test]
     fn a_name_whose_formula_is_refuted_shares_with_unknown_physics() {
-        let named =
-            |name: &str| Subject::Effect(CATALOGUE.iter().position(|e| e.name == name).unwrap());
         let judged = |subject: Subject, exactness: f64| {
             let accepted = [AcceptedEffect {
                 proposal: Proposal::new(subject, vec![0]),
@@ -410,7 +409,7 @@ mod tests {
 
     #[test]
     fn physics_behind_sensors_decides_where_it_is_likely() {
-        let sensor = Subject::Effect(CATALOGUE.iter().position(|e| e.name == "latency").unwrap());
+        let sensor = named("latency");
         let one = |subject, probability| JudgedFinding {
             effect: None,
             subject,

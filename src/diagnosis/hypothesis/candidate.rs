@@ -108,6 +108,13 @@ impl Candidates {
         ours.map(|(place, _)| place)
     }
 
+    /// Index of a coefficient by its name, such as `drag.coefficient`.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<usize> {
+        let mut all = self.coefficients.iter();
+        all.position(|one| one.parameter.name == name)
+    }
+
     /// Indices of the residual models' coefficients.
     pub fn residual_models(&self) -> impl Iterator<Item = usize> + '_ {
         let coefficients = self.coefficients.iter().enumerate();

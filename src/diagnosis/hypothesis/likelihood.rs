@@ -37,6 +37,14 @@ pub struct FittedHypothesis {
     pub shape_gain: f64,
 }
 
+impl FittedHypothesis {
+    /// Negative log evidence by the catalogue's formulas or neighbours of them.
+    #[must_use]
+    pub fn with_neighbours(&self) -> f64 {
+        self.negative_log_evidence - self.shape_gain
+    }
+}
+
 /// Factor on the standard deviations of the fit, which neglect other modes and model errors. Calibrated on 100
 /// parameters of the proof's third judged set (see the docs); later sets judged it.
 const WIDER: f64 = 1.4;

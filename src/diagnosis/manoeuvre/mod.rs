@@ -226,18 +226,12 @@ mod tests {
     use crate::diagnosis::manoeuvre::rehearsal::tests::steady_straight;
     use crate::diagnosis::screening::sensitivity::{Layout, sensitivities};
     use crate::diagnosis::screening::system::linearise;
-    use crate::diagnosis::testing::on;
-    use crate::effects::CATALOGUE;
+    use crate::diagnosis::testing::{named, on};
     use crate::fit::noise_model::first_noise_model;
     use crate::fit::segment::cut;
     use crate::fit::sensor::SensorParameter;
 
     const LENGTH: f64 = 5.0;
-
-    fn effect(name: &str) -> Subject {
-        let place = CATALOGUE.iter().position(|effect| effect.name == name);
-        Subject::Effect(place.unwrap())
-    }
 
     /// After a straight drive in one direction: is it this, as many prior deviations large, or that?
     fn after_a_straight(a: (&str, &str, f64), b: Option<&str>) -> Manoeuvre {
@@ -246,12 +240,12 @@ mod tests {
         let mut problem = Problem::new(&model, &recordings);
         problem.segments = cut(&recordings, &[[0.0; SensorParameter::ALL.len()]], LENGTH).segments;
         let candidates = &problem.candidates;
-        let mut coefficients = candidates.of(effect(a.0));
+        let mut coefficients = candidates.of(named(a.0));
         let coefficient = coefficients
             .find(|coefficient| candidates[*coefficient].name == a.1)
             .unwrap();
         let size = a.2 * candidates[coefficient].parameter.prior.deviation;
-        let rivals: Vec<usize> = b.map_or(Vec::new(), |b| candidates.of(effect(b)).collect());
+        let rivals: Vec<usize> = b.map_or(Vec::new(), |b| candidates.of(named(b)).collect());
         let asked: Vec<usize> = std::iter::once(coefficient)
             .chain(rivals.iter().copied())
             .collect();
@@ -262,7 +256,7 @@ mod tests {
         assert!(tables.len() > 4 && tables.iter().all(Option::is_some));
         let system = linearise(&problem, &layout, &tables, &refitted, &noise);
         let question = Question {
-            separates: [effect(a.0), b.map_or(Subject::Nothing, effect)],
+            separates: [named(a.0), b.map_or(Subject::Nothing, named)],
             signals: vec![Contrast {
                 coefficients: vec![(coefficient, vec![size; 2])],
                 rivals,

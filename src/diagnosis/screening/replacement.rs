@@ -15,7 +15,7 @@
 
 use super::screen::Projection;
 use super::sensitivity::{Layout, sensitivities};
-use super::shape::{AXES, Acting, between, component, features, follow};
+use super::shape::{AXES, Acting, between, components, deviations, features, follow};
 use super::system::{System, linearise};
 use super::wrench::force_columns;
 use crate::diagnosis::Subject;
@@ -63,8 +63,8 @@ struct Mechanism {
     coefficients: Vec<usize>,
     each: Vec<Vec<Vec<Acting>>>,
     arguments: usize,
-    /// Columns of the linearised problem: by parameter, component and feature.
-    columns: Vec<Vec<Vec<usize>>>,
+    /// Columns of the linearised problem: by parameter and feature.
+    columns: Vec<Vec<usize>>,
     /// Parameters that do nothing alone, and the wrenches that a standard deviation of each adds.
     further: Vec<usize>,
     differences: Vec<Vec<Vec<[f64; AXES]>>>,
@@ -292,20 +292,13 @@ fn append(
 ) -> usize {
     let mut count = 1;
     for mechanism in mechanisms.iter_mut() {
-        let of_component = 1 + 2 * mechanism.arguments;
-        mechanism.columns = mechanism
-            .coefficients
-            .iter()
-            .map(|_| {
-                (0..AXES)
-                    .map(|_| {
-                        let first = count;
-                        count += of_component;
-                        (first..count).collect()
-                    })
-                    .collect()
-            })
-            .collect();
+        let features = deviations(mechanism.arguments).len();
+        let columns = mechanism.coefficients.iter().map(|_| {
+            let first = count;
+            count += features;
+            (first..count).collect()
+        });
+        mechanism.columns = columns.collect();
         mechanism.further_columns = (count..count + mechanism.further.len()).collect();
         count += mechanism.further.len();
     }
@@ -331,10 +324,9 @@ fn append(
             let features = features(one, mechanism.arguments);
             for (segment, columns) in one.iter().zip(&mut combinations) {
                 for (time_bin, acting) in segment.iter().enumerate() {
-                    let features = features(acting);
-                    for axis in 0..AXES {
-                        for (feature, place) in features[axis].iter().zip(&places[axis]) {
-                            columns[(row(system, time_bin, axis), *place)] = *feature;
+                    for (feature, place) in features(acting).iter().zip(places) {
+                        for (axis, force) in feature.iter().enumerate() {
+                            columns[(row(system, time_bin, axis), *place)] = *force;
                         }
                     }
                 }
@@ -376,12 +368,12 @@ fn fitted(
     pull: &DVector<f64>,
 ) -> Option<(f64, Vec<f64>, DVector<f64>)> {
     let amplitudes = mechanism.coefficients.len();
-    let of_component = if mechanism.arguments == 0 {
+    let deviations = if mechanism.arguments == 0 {
         Vec::new()
     } else {
-        component(mechanism.arguments)
+        deviations(mechanism.arguments)
     };
-    let shapes = AXES * of_component.len();
+    let shapes = deviations.len();
     let count = amplitudes + shapes + mechanism.further.len();
     let one_sided = |k: usize| {
         let about = &problem.candidates[mechanism.coefficients[k]];
@@ -395,7 +387,7 @@ fn fitted(
         } else if k >= amplitudes + shapes {
             1.0
         } else {
-            of_component[(k - amplitudes) % of_component.len()]
+            deviations[k - amplitudes]
         };
         deviation.powi(-2)
     });
@@ -405,15 +397,14 @@ fn fitted(
         let mut signal = DVector::zeros(width);
         let mut derivative = DMatrix::zeros(width, count);
         for (j, places) in mechanism.columns.iter().enumerate() {
-            for (axis, places) in places.iter().enumerate() {
-                signal[places[0]] += x[j];
-                derivative[(places[0], j)] += 1.0;
-                for f in 0..of_component.len() {
-                    let k = amplitudes + axis * of_component.len() + f;
-                    signal[places[f]] += x[j] * x[k];
-                    derivative[(places[f], j)] += x[k];
-                    derivative[(places[f], k)] += x[j];
-                }
+            for component in components(mechanism.arguments) {
+                signal[places[component]] += x[j];
+                derivative[(places[component], j)] += 1.0;
+            }
+            for (place, k) in places.iter().zip(amplitudes..amplitudes + shapes) {
+                signal[*place] += x[j] * x[k];
+                derivative[(*place, j)] += x[k];
+                derivative[(*place, k)] += x[j];
             }
         }
         for (place, column) in mechanism.further_columns.iter().enumerate() {
@@ -494,7 +485,7 @@ fn fitted(
 mod tests {
     use super::*;
     use crate::diagnosis::hypothesis::likelihood::fit_hypothesis;
-    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    use crate::diagnosis::testing::{driven, named, on, refitted, with_effects};
 
     #[test]
     fn a_mechanism_replaces_itself_at_its_size_and_others_fall_behind() {
@@ -503,11 +494,7 @@ mod tests {
         let recordings = [driven(&truth, "slalom")];
         let (stage, noise) = refitted(&nominal, &recordings);
         let problem = &stage.problem;
-        let subject = |name: &str| {
-            let mut all = problem.candidates.subjects.iter();
-            *all.find(|subject| subject.name() == name).unwrap()
-        };
-        let own: Vec<usize> = problem.candidates.of(subject("drag")).collect();
+        let own: Vec<usize> = problem.candidates.of(named("drag")).collect();
         let mut initial = stage.fit.solution.clone();
         for recording in &mut initial.coefficients {
             recording[own[0]] = problem.candidates[own[0]].typical;
@@ -515,7 +502,7 @@ mod tests {
         let fit = fit_hypothesis(problem, &own, &initial, &noise).unwrap();
         let (all, removed) = replacements(problem, &fit, &own, &noise);
         assert!(removed > 20.0, "{removed}");
-        let find = |name: &str| all.iter().find(|one| one.subject == subject(name)).unwrap();
+        let find = |name: &str| all.iter().find(|one| one.subject == named(name)).unwrap();
         let first = find("drag");
         // At one speed a wedge before the wheels is as good. Time bins leave some of it.
         let all_of_it = format!("{removed} {all:?}");

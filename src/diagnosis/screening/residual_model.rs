@@ -187,10 +187,7 @@ mod tests {
         let recordings = [driven(&truth, "slalom")];
         let (stage, _) = refitted(&nominal, &recordings);
         let (problem, system) = (&stage.problem, stage.screening.system.as_ref());
-        let find = |name: &str| {
-            let mut all = problem.candidates.coefficients.iter();
-            all.position(|one| one.parameter.name == name).unwrap()
-        };
+        let find = |name: &str| problem.candidates.find(name).unwrap();
         let drag = find("drag.coefficient");
         let along = ["speed", "speed_squared"];
         let along = along.map(|name| find(&format!("residual_longitudinal.{name}")));

@@ -1,16 +1,18 @@
 //! Shape freedom: how far a mechanism's formula may differ from the catalogue's.
 //!
 //! An effect's name means a mechanism. The catalogue has one formula of it; the ground may obey another. So each
-//! component a of an effect's wrench, along, across and about the vehicle, may be
+//! component a of an effect's wrench may be
 //!
 //! ```text
 //! sum over i of w_ai(t) (1 + d_a + sum over u of p_au l_ui(t) + q_au l_ui(t)^2),    l_ui = ln(u_i / u_0)
 //! ```
 //!
-//! with the shares w_ai of the wheels and of the body, and there the arguments u (speed, lateral speed, slip, sinkage, row),
-//! u_0 their mean where the effect acts. What remembers has no shares of wheels. p is
-//! a difference of the exponent, q bends the power law towards saturation, d changes the direction. All have normal
-//! priors around zero. The wrench is the difference between the accelerations with the effect and without it at the
+//! with the arguments u (speed, lateral speed, slip, sinkage, row), u_0 their mean where the effect acts. An effect on the
+//! wheels has three components, each with a share w_ai of every wheel i: the motion resistance, which is what the thrust
+//! of the axle's torque exceeds the force along the wheel by, that thrust, and the lateral force; moments follow from the
+//! wheels' places. One on the body, or one that remembers, has the force along, the force across and the moment. p is
+//! a difference of the exponent, q bends the power law towards saturation, d changes the component's share of the effect. All
+//! have normal priors around zero. The wrench is the difference between the accelerations with the effect and without it at the
 //! fitted motion. Its signal follows from the sensitivities to a force in each time bin, so a shape costs no
 //! prediction of its own, and Laplace's method integrates it out.
 
@@ -33,8 +35,11 @@ use crate::vehicle::{GRAVITY, Specification, Vehicle, VehicleModel};
 use nalgebra::{DMatrix, DVector, RowDVector};
 use rayon::prelude::*;
 
-/// Components of the wrench.
+/// Components of the wrench, and those of an effect that have shapes.
 pub const AXES: usize = 3;
+const COMPONENTS: usize = 3;
+/// The last component of an effect on the wheels.
+const LATERAL: usize = 2;
 /// Standard deviations of d, p and q.
 const DIRECTION: f64 = 0.5;
 const EXPONENT: f64 = 0.5;
@@ -283,18 +288,16 @@ fn combinations(
         acting(problem, &own, at, data, start, edges).unwrap_or_default()
     });
     let each: Vec<Vec<Acting>> = each.collect();
-    let arguments = arguments(effect);
-    let features = features(&each, arguments.len());
-    let deviations = deviations(arguments.len());
+    let arguments = arguments(effect).len();
+    let features = features(&each, arguments);
+    let deviations = deviations(arguments);
     let columns = each.iter().zip(places).map(|(acting, (_, edges))| {
         let width = (edges.len() - 1) * layout.per_bin();
         let mut columns = DMatrix::zeros(width, deviations.len());
         for (time_bin, acting) in acting.iter().enumerate() {
-            let features = features(acting);
-            for axis in 0..AXES {
-                let row = time_bin * layout.per_bin() + forces[axis];
-                for (k, feature) in features[axis].iter().enumerate() {
-                    columns[(row, axis * features[axis].len() + k)] = *feature;
+            for (k, feature) in features(acting).iter().enumerate() {
+                for (axis, force) in feature.iter().enumerate() {
+                    columns[(time_bin * layout.per_bin() + forces[axis], k)] = *force;
                 }
             }
         }
@@ -303,17 +306,21 @@ fn combinations(
     (columns.collect(), deviations)
 }
 
-/// Prior deviations of a component's shape: its direction, then exponent and bend by each argument; component by
-/// component.
-fn deviations(arguments: usize) -> Vec<f64> {
-    component(arguments).repeat(AXES)
+/// Number of features of a component: itself, then times l and l^2 of each argument.
+const fn of_component(arguments: usize) -> usize {
+    1 + 2 * arguments
 }
 
-/// Those of one component.
+/// Places of the components themselves among their features.
+pub fn components(arguments: usize) -> impl Iterator<Item = usize> {
+    (0..COMPONENTS).map(move |component| component * of_component(arguments))
+}
+
+/// Prior deviations of an effect's shape: of each component its share, then exponent and bend by each argument.
 #[must_use]
-pub fn component(arguments: usize) -> Vec<f64> {
+pub fn deviations(arguments: usize) -> Vec<f64> {
     let one = std::iter::once(DIRECTION).chain([EXPONENT, BEND].repeat(arguments));
-    one.collect()
+    one.collect::<Vec<f64>>().repeat(COMPONENTS)
 }
 
 /// What an effect does in a time bin.
@@ -321,21 +328,26 @@ pub fn component(arguments: usize) -> Vec<f64> {
 pub struct Acting {
     /// Its wrench as shares of the weight, the moment's of the weight times half the track.
     pub wrench: [f64; AXES],
-    /// The wrench by what exerts it: each wheel, and the body.
+    /// The wrench by component, and by what exerts it: each wheel, or the body.
     pub shares: Vec<Share>,
 }
 
-/// What one wheel, or the body, contributes to a wrench.
+/// What one wheel, or the body, contributes to a component of an effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Share {
+    /// The component.
+    pub component: usize,
     /// The contribution.
     pub wrench: [f64; AXES],
     /// Logarithms of the effect's arguments there.
     pub arguments: Vec<f64>,
 }
 
-/// A time bin's wrench by shape: for each component itself, then times l and l^2 of each argument.
-pub fn features(each: &[Vec<Acting>], arguments: usize) -> impl Fn(&Acting) -> [Vec<f64>; AXES] {
+/// A time bin's wrench by shape: each component itself, then times l and l^2 of each argument.
+pub fn features(
+    each: &[Vec<Acting>],
+    arguments: usize,
+) -> impl Fn(&Acting) -> Vec<[f64; AXES]> + use<> {
     // Where the effect acts: weighted by its wrench.
     let mut sums = vec![0.0; arguments];
     let mut weights = 0.0;
@@ -348,16 +360,18 @@ pub fn features(each: &[Vec<Acting>], arguments: usize) -> impl Fn(&Acting) -> [
     }
     let means: Vec<f64> = sums.iter().map(|sum| sum / weights.max(1e-300)).collect();
     move |acting| {
-        let mut features = [(); AXES].map(|()| vec![0.0; 1 + 2 * arguments]);
-        for (axis, features) in features.iter_mut().enumerate() {
-            features[0] = acting.wrench[axis];
-        }
+        let mut features = vec![[0.0; AXES]; COMPONENTS * of_component(arguments)];
         for share in &acting.shares {
-            for (k, (at, mean)) in share.arguments.iter().zip(&means).enumerate() {
+            let logarithms = share.arguments.iter().zip(&means);
+            let powers = logarithms.flat_map(|(at, mean)| {
                 let l = (at - mean).clamp(-RANGE, RANGE);
-                for (axis, features) in features.iter_mut().enumerate() {
-                    features[1 + 2 * k] += share.wrench[axis] * l;
-                    features[2 + 2 * k] += share.wrench[axis] * l * l;
+                [l, l * l]
+            });
+            let factors = std::iter::once(1.0).chain(powers);
+            let first = share.component * of_component(arguments);
+            for (feature, factor) in features[first..].iter_mut().zip(factors) {
+                for (sum, force) in feature.iter_mut().zip(&share.wrench) {
+                    *sum += factor * force;
                 }
             }
         }
@@ -464,6 +478,8 @@ pub fn between(
     motion: &Motion,
 ) -> Option<Vec<Acting>> {
     let memory = effects.iter().any(|effect| CATALOGUE[*effect].memory);
+    let on_body = |effect: &usize| matches!(CATALOGUE[*effect].acts, Acts::Body);
+    let on_wheels = !memory && !effects.iter().any(on_body);
     let arguments = effects
         .first()
         .map_or(&[][..], |effect| self::arguments(*effect));
@@ -511,46 +527,60 @@ pub fn between(
                 .ln()
         };
         let mut shares = Vec::new();
-        let mut body = wrench;
-        let [on, off] = [with.wrench().ok()?, without.wrench().ok()?];
-        let count = off.wheels.len() as f64;
-        let mean = Standing {
-            at: [0.0; 2],
-            sinkage: off.wheels.iter().map(|w| w.sinkage).sum::<f64>() / count,
-            slip: 0.0,
+        let mut share = |component: usize, wrench: [f64; AXES], arguments: &[f64]| {
+            shares.push(Share {
+                component,
+                wrench,
+                arguments: arguments.to_vec(),
+            });
         };
-        if !memory {
-            for (place, (on, off)) in on.wheels.iter().zip(&off.wheels).enumerate() {
+        let [on, off] = [with.wrench().ok()?, without.wrench().ok()?];
+        let wheels = on.wheels.iter().zip(&off.wheels).enumerate();
+        if on_wheels {
+            let mut rest = wrench;
+            for (place, (on, off)) in wheels {
                 let side = if place % 2 == 0 { 1.0 } else { -1.0 };
                 let x = vehicle.row_positions[place / 2] - vehicle.com_offset;
                 let y = side * vehicle.half_track;
-                let force = [on.force_x - off.force_x, on.force_y - off.force_y];
-                let moment = (x * force[1] - y * force[0]) / vehicle.half_track;
-                let wrench = [force[0] / weight, force[1] / weight, moment / weight];
-                for (body, own) in body.iter_mut().zip(&wrench) {
-                    *body -= own;
-                }
                 let here = Standing {
                     at: [x, y],
                     sinkage: off.sinkage,
                     slip: off.longitudinal_slip.abs(),
                 };
-                shares.push(Share {
-                    wrench,
-                    arguments: arguments.iter().map(|a| at(a, Some(&here))).collect(),
-                });
+                let here: Vec<f64> = arguments.iter().map(|a| at(a, Some(&here))).collect();
+                let thrust = (on.torque - off.torque) / vehicle.wheel_radius / weight;
+                let along = (on.force_x - off.force_x) / weight;
+                let across = (on.force_y - off.force_y) / weight;
+                let [left, ahead] = [y, x].map(|lever| lever / vehicle.half_track);
+                for (component, wrench) in [
+                    [along - thrust, 0.0, -left * (along - thrust)],
+                    [thrust, 0.0, -left * thrust],
+                    [0.0, across, ahead * across],
+                ]
+                .into_iter()
+                .enumerate()
+                {
+                    share(component, wrench, &here);
+                    for (rest, own) in rest.iter_mut().zip(&wrench) {
+                        *rest -= own;
+                    }
+                }
+            }
+            // Moments of the wheels about their middles.
+            share(LATERAL, rest, &[]);
+        } else {
+            let count = off.wheels.len() as f64;
+            let sinkage = off.wheels.iter().map(|w| w.sinkage).sum::<f64>() / count;
+            let argument = |argument: &Argument| match argument {
+                Argument::Sinkage => sinkage.max(SMALLEST).ln(),
+                _ => at(argument, None),
+            };
+            let here: Vec<f64> = arguments.iter().map(argument).collect();
+            for axis in 0..AXES {
+                let own = std::array::from_fn(|k| if k == axis { wrench[k] } else { 0.0 });
+                share(axis, own, &here);
             }
         }
-        shares.push(Share {
-            wrench: body,
-            arguments: arguments
-                .iter()
-                .map(|argument| match argument {
-                    Argument::Sinkage => mean.sinkage.max(SMALLEST).ln(),
-                    _ => at(argument, None),
-                })
-                .collect(),
-        });
         Some(Acting { wrench, shares })
     });
     each.collect()
@@ -632,14 +662,18 @@ mod tests {
         let acting = |at: f64, wrench: f64| Acting {
             wrench: [wrench, 0.0, 0.0],
             shares: vec![Share {
+                component: 0,
                 wrench: [wrench, 0.0, 0.0],
                 arguments: vec![at],
             }],
         };
         let each = vec![vec![acting(1.0, 2.0), acting(-20.0, 1e-9)]];
         let features = features(&each, 1);
-        assert_eq!(features(&each[0][0])[0], [2.0, 0.0, 0.0]);
-        let [along, ..] = features(&each[0][1]);
+        let along = |acting: &Acting| -> Vec<f64> {
+            features(acting).iter().map(|feature| feature[0]).collect()
+        };
+        assert_eq!(along(&each[0][0])[..3], [2.0, 0.0, 0.0]);
+        let along = along(&each[0][1]);
         assert!((along[1] / along[0] + RANGE).abs() < 1e-6);
         assert!((along[2] / along[0] - RANGE * RANGE).abs() < 1e-6);
     }

@@ -54,7 +54,7 @@ pub fn likeliest_first(rivals: &[Rival]) -> Vec<Rival> {
 pub struct AcceptedEffect {
     /// What was proposed.
     pub proposal: Proposal,
-    /// Log Bayes factor against the hypothesis without it.
+    /// Log Bayes factor against the hypothesis without it, by the catalogue's formulas or neighbours of them.
     pub gain: f64,
     /// All that was fitted in its place, itself among them.
     pub rivals: Vec<Rival>,

@@ -204,8 +204,7 @@ mod tests {
     use crate::diagnosis::hypothesis::Problem;
     use crate::diagnosis::screening::region::RunInterval;
     use crate::diagnosis::search::naming::ANY;
-    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
-    use crate::effects::CATALOGUE;
+    use crate::diagnosis::testing::{driven, named, on, refitted, with_effects};
     use crate::recording::Recording;
     use crate::vehicle::Specification;
     use nalgebra::DMatrix;
@@ -221,8 +220,7 @@ mod tests {
 
     /// Drag from 6.9 s to 12.4 s, fitted.
     fn drag<'a>(stage: &Stage<'a>, noise: &NoiseModel) -> FittedCandidate<'a> {
-        let drag = CATALOGUE.iter().position(|e| e.name == "drag").unwrap();
-        let subject = Subject::Effect(drag);
+        let subject = named("drag");
         let coefficients: Vec<usize> = stage.problem.candidates.of(subject).collect();
         let proposal = Proposal {
             extent: Some(Region::Time(RunInterval {

@@ -68,10 +68,10 @@ impl FittedCandidate<'_> {
         self.gain + self.shape + self.proposal.log_prior()
     }
 
-    /// Log Bayes factor by the catalogue's formulas, as ranked.
+    /// Log Bayes factor against the hypothesis without it, by the catalogue's formulas or neighbours of them, as ranked.
     #[must_use]
     pub fn ranked_gain(&self) -> f64 {
-        self.odds() - self.shape - self.proposal.log_prior()
+        self.odds() - self.proposal.log_prior()
     }
 
     /// Judges its fit: what shape freedom adds, and how it predicts what it was not fitted to.

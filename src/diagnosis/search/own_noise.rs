@@ -3,6 +3,8 @@
 //! The noise that all candidates are fitted under contains a part of the missing effect, or is too small for the model
 //! without it. Under its own noise a fit shows what it is worth by itself.
 
+use super::accepted::CATALOGUED;
+use super::proposal::{Proposal, ProposalKind};
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::likelihood::{
     FittedHypothesis, OwnEvidence, evidence_under_own_noise, fit_with_noise, own_noise,
@@ -26,6 +28,17 @@ pub struct OwnNoise {
 }
 
 impl OwnNoise {
+    /// Log evidence of a proposal with its prior. A residual model may be what mends formulas, so it does without their
+    /// shapes, and pays for naming no mechanism.
+    #[must_use]
+    pub fn worth(&self, proposal: &Proposal) -> f64 {
+        let (catalogued, evidence) = match proposal.kind() {
+            ProposalKind::ResidualModel => (CATALOGUED, self.exact),
+            _ => (0.0, self.evidence.negative_log),
+        };
+        proposal.log_prior() - proposal.price - catalogued - evidence
+    }
+
     /// Standard error of the difference of two log likelihoods, from its scatter between blocks of time (Q. Vuong,
     /// "Likelihood ratio tests for model selection and non-nested hypotheses", Econometrica 57 (1989)): around zero, as an
     /// effect may act in few blocks only. `None` where numbers were not finite.

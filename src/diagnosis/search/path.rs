@@ -7,7 +7,7 @@ use super::accepted::{AcceptedEffect, CATALOGUED, NOTHING, Rival};
 use super::choice::{Prefer, choose, sound_odds, worth_two_ways};
 use super::naming::FittedCandidate;
 use super::own_noise::{OwnNoise, under_own_noise};
-use super::proposal::{Proposal, ProposalKind};
+use super::proposal::ProposalKind;
 use super::prune::{prune, without};
 use super::replaced::{RivalsInPlace, rivals_in_place};
 use super::stage::{Stage, screen_again};
@@ -381,17 +381,10 @@ impl<'a> Path<'a> {
             if progress.is_late() {
                 break;
             }
-            let worth = |one: &Proposal, own: &OwnNoise| {
-                let (catalogued, evidence) = match one.kind() {
-                    ProposalKind::ResidualModel => (CATALOGUED, own.exact),
-                    _ => (0.0, own.evidence.negative_log),
-                };
-                one.log_prior() - one.price - catalogued - evidence
-            };
             let odds = self.accepted[index].odds(proposal.subject);
             let rivals = near.iter().map(|(other, with)| Rival {
                 subject: other.subject,
-                odds: odds + worth(other, with) - worth(&proposal, &own),
+                odds: odds + with.worth(other) - own.worth(&proposal),
                 scatter: with.scatter(&own),
             });
             let mut rivals: Vec<Rival> = rivals.collect();
@@ -409,8 +402,14 @@ impl<'a> Path<'a> {
                 path.stage = path.rescreened(problem, with.fit, options, progress)?;
                 let fitted = path.further_candidates(progress)?;
                 let path = path.walk(fitted, Prefer::Nothing, options, progress)?;
-                if path.advantage(&self) > 0.0 && !progress.is_late() {
+                if progress.is_late() {
+                    break;
+                }
+                if path.advantage(&self) > 0.0 {
                     self = path;
+                } else {
+                    // Its own further effects are worth less.
+                    self.accepted[index].limit(&[(rival.subject, 0.0)]);
                 }
             }
         }
@@ -488,6 +487,7 @@ impl<'a> Path<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::search::proposal::Proposal;
     use crate::diagnosis::testing::{driven, on, refitted, with_effects};
 
     #[test]
@@ -498,8 +498,7 @@ mod tests {
         let (stage, noise) = refitted(&nominal, &recordings);
         let candidates = stage.problem.candidates.clone();
         let accepted = |name: &str| {
-            let mut all = candidates.coefficients.iter();
-            let k = all.position(|one| one.parameter.name == name).unwrap();
+            let k = candidates.find(name).unwrap();
             let subject = if name.starts_with("residual_") {
                 Subject::Unknown
             } else {

@@ -395,14 +395,9 @@ pub fn place_load(problem: &Problem, proposals: &mut Vec<Proposal>) {
     }
 }
 
-fn coefficient(problem: &Problem, name: &str) -> Option<usize> {
-    let mut coefficients = problem.candidates.coefficients.iter();
-    coefficients.position(|coefficient| coefficient.parameter.name == name)
-}
-
 /// A proposal's step of a coefficient.
 fn step(problem: &Problem, proposal: &Proposal, name: &str) -> Option<f64> {
-    let coefficient = coefficient(problem, name)?;
+    let coefficient = problem.candidates.find(name)?;
     let (_, step) = proposal
         .steps
         .iter()
@@ -412,7 +407,7 @@ fn step(problem: &Problem, proposal: &Proposal, name: &str) -> Option<f64> {
 
 /// The load with the same shift of the centre of mass as a proposal.
 fn place_load_as(problem: &Problem, proposals: &mut Vec<Proposal>, shift: Proposal) {
-    let Some(mass) = coefficient(problem, MASS) else {
+    let Some(mass) = problem.candidates.find(MASS) else {
         return;
     };
     let subject = Subject::Effect(problem.candidates[mass].effect);
@@ -430,7 +425,7 @@ fn place_load_as(problem: &Problem, proposals: &mut Vec<Proposal>, shift: Propos
     let lever = (vehicle.mass + loaded) / loaded;
     let place = |(own, other): &(&str, &str), vehicles: f64| {
         let away = vehicles + lever * step(problem, &shift, other)?;
-        Some((coefficient(problem, own)?, DVector::repeat(1, away)))
+        Some((problem.candidates.find(own)?, DVector::repeat(1, away)))
     };
     let middle = [vehicle.com_offset, 0.0];
     let places = SHIFTS.iter().zip(middle).filter_map(|(s, m)| place(s, m));
@@ -452,7 +447,7 @@ fn place_load_as(problem: &Problem, proposals: &mut Vec<Proposal>, shift: Propos
 mod tests {
     use super::*;
     use crate::diagnosis::screening::region::RunInterval;
-    use crate::effects::CATALOGUE;
+    use crate::diagnosis::testing::named;
     use crate::terrain::Terrain;
     use crate::vehicle::{ModelParameter, Specification, Vehicle};
 
@@ -478,8 +473,7 @@ mod tests {
         let nominal = Specification::plain(vehicle, Terrain::preset("sandy_loam").unwrap());
         let problem = Problem::new(&nominal, &[]);
         let propose = |name: &str, steps: &[f64], evidence: f64| {
-            let effect = CATALOGUE.iter().position(|e| e.name == name).unwrap();
-            let subject = Subject::Effect(effect);
+            let subject = named(name);
             let coefficients: Vec<usize> = problem.candidates.of(subject).collect();
             let steps: Vec<_> = coefficients
                 .iter()

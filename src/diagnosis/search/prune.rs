@@ -7,6 +7,7 @@ use super::trial::CLOSE;
 use crate::diagnosis::hypothesis::likelihood::{FittedHypothesis, fit_hypothesis, scattered};
 use crate::diagnosis::hypothesis::{Problem, UnknownKind};
 use crate::diagnosis::screening::screen::Projection;
+use crate::diagnosis::screening::shape::gain_at;
 use crate::fit::predictor::PredictionError;
 use crate::fit::problem::NoiseModel;
 
@@ -38,7 +39,8 @@ pub fn prune(
         let price = NOTHING - removed.log_prior() + removed.price;
         let loss = linear_loss(stage, &removed.coefficients);
         if loss > SURELY * price + CLOSE {
-            if accepted.len() > 1 {
+            // What another formula explains besides is lost as well.
+            if accepted.len() > 1 && stage.fit.shape_gain <= 0.0 {
                 // Later effects may explain most of it.
                 let gain = ratio * loss - removed.price;
                 accepted[index].gain = accepted[index].gain.min(gain);
@@ -52,18 +54,25 @@ pub fn prune(
             break;
         }
         match without {
-            Ok(without)
-                if without.negative_log_evidence - stage.fit.negative_log_evidence < price =>
-            {
-                accepted.remove(index);
-                stage.problem = problem;
-                stage.fit = without;
-                index = 0;
-            }
-            Ok(without) => {
-                let lost = without.negative_log_evidence - stage.fit.negative_log_evidence;
-                accepted[index].gain = ratio * lost - removed.price;
-                index += 1;
+            Ok(mut without) => {
+                if stage.fit.shape_gain != 0.0 {
+                    let FittedHypothesis {
+                        coefficients,
+                        solution,
+                        ..
+                    } = &without;
+                    without.shape_gain = gain_at(&problem, coefficients, solution, noise);
+                }
+                let lost = without.with_neighbours() - stage.fit.with_neighbours();
+                if lost < price {
+                    accepted.remove(index);
+                    stage.problem = problem;
+                    stage.fit = without;
+                    index = 0;
+                } else {
+                    accepted[index].gain = ratio * lost - removed.price;
+                    index += 1;
+                }
             }
             Err(_) => index += 1,
         }
@@ -214,11 +223,12 @@ mod tests {
     use crate::vehicle::Specification;
 
     /// What remains of an effect with these parameters and gain on a drive of this model, and the coefficients that
-    /// are on.
+    /// are on. Its neighbours are likelier than its formula by `shape`.
     fn remaining(
         truth: &Specification,
         names: &[&str],
         gain: f64,
+        shape: f64,
     ) -> (Vec<AcceptedEffect>, Vec<String>) {
         let nominal = on("sandy_loam");
         let recordings = [driven(truth, "spiral")];
@@ -256,6 +266,7 @@ mod tests {
             rivals,
             mends: false,
         }];
+        stage.fit.shape_gain = shape;
         prune(&mut stage, &mut accepted, &noise, 1.0);
         let on = stage
             .fit
@@ -269,13 +280,16 @@ mod tests {
     fn what_gained_by_another_soil_alone_is_left_out() {
         let plain = on("sandy_loam");
         let ratio = "left_right_soil.ratio";
-        let (accepted, coefficients) = remaining(&plain, &[ratio], 26.0);
+        let (accepted, coefficients) = remaining(&plain, &[ratio], 26.0, 0.0);
         assert!(accepted.is_empty() && coefficients.is_empty());
+        // Another formula may explain what the catalogue's does not.
+        let (accepted, _) = remaining(&plain, &[ratio], 26.0, 100.0);
+        assert!(accepted[0].gain > 80.0, "{}", accepted[0].gain);
         let mut truth = plain;
         let name = ParameterName::find(ratio).unwrap();
         truth.effects.set(name, 0.6).unwrap();
         let gain = 1e6;
-        let (accepted, coefficients) = remaining(&truth, &[ratio], gain);
+        let (accepted, coefficients) = remaining(&truth, &[ratio], gain, 0.0);
         assert!(accepted.len() == 1 && !coefficients.is_empty());
         // No later effect may explain a part of it.
         assert_eq!(accepted[0].gain, gain);
@@ -290,7 +304,7 @@ mod tests {
         ];
         let pull = ParameterName::find(terms[0]).unwrap();
         truth.effects.set(pull, 0.03).unwrap();
-        let (accepted, coefficients) = remaining(&truth, &terms, 1e6);
+        let (accepted, coefficients) = remaining(&truth, &terms, 1e6, 0.0);
         assert_eq!(coefficients, terms[..1]);
         assert_eq!(accepted[0].proposal.coefficients.len(), 1);
         assert_eq!(accepted[0].proposal.stability.len(), 1);

@@ -82,7 +82,7 @@ pub fn replaced<'a>(
 }
 
 /// Other mechanisms in the place of an accepted effect beside all others.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct RivalsInPlace {
     /// Fits under the noise that they leave, of those that the linearised problem puts near the effect.
     pub near: Vec<(Proposal, OwnNoise)>,
@@ -175,8 +175,7 @@ fn in_place_of<'a>(
 mod tests {
     use super::*;
     use crate::diagnosis::search::naming::{ANY, partial_fit};
-    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
-    use crate::effects::CATALOGUE;
+    use crate::diagnosis::testing::{driven, named, on, refitted, with_effects};
 
     #[test]
     fn likelier_names_are_found_in_the_place_of_a_wrong_one() {
@@ -184,11 +183,9 @@ mod tests {
         let truth = with_effects(&nominal, r#"{"drag": {"coefficient": 150}}"#);
         let recordings = [driven(&truth, "slalom")];
         let (mut stage, noise) = refitted(&nominal, &recordings);
-        let subject =
-            |name: &str| Subject::Effect(CATALOGUE.iter().position(|e| e.name == name).unwrap());
         let proposed = |name: &str| {
-            let coefficients = stage.problem.candidates.of(subject(name)).collect();
-            Proposal::new(subject(name), coefficients)
+            let coefficients = stage.problem.candidates.of(named(name)).collect();
+            Proposal::new(named(name), coefficients)
         };
         let tow = proposed("drawbar");
         let wrong = partial_fit(&stage.problem, &tow, &stage.fit, &noise, 1.0, ANY).unwrap();

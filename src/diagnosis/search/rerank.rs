@@ -6,7 +6,7 @@
 //! own share. The formulas' shape freedom (see [`crate::diagnosis::screening::shape`]) is integrated out in them: what
 //! another formula explains is no noise. The log odds become the differences to the model without the candidates.
 
-use super::accepted::{CATALOGUED, NOTHING, TAKE};
+use super::accepted::{NOTHING, TAKE};
 use super::naming::FittedCandidate;
 use super::own_noise::{OwnNoise, under_own_noise};
 use super::proposal::ProposalKind;
@@ -105,15 +105,15 @@ impl<'s, 'a> Ranking<'s, 'a> {
         let Some(own) = &candidate.own else {
             return f64::NEG_INFINITY;
         };
-        let catalogued = if is_residual_model { CATALOGUED } else { 0.0 };
-        let beside = candidate.proposal.log_prior() - candidate.proposal.price - catalogued;
-        let lead = without.evidence.negative_log - own.evidence.negative_log + beside;
-        candidate.mends = is_residual_model && lead < NOTHING + TAKE;
+        let worth = own.worth(&candidate.proposal);
         if is_residual_model {
-            // It may be what mends the formulas, so it does without their shapes.
-            without.exact - own.exact + beside
+            let shapes = own.exact - own.evidence.negative_log;
+            let lead = without.evidence.negative_log + worth + shapes;
+            candidate.mends = lead < NOTHING + TAKE;
+            without.exact + worth
         } else {
-            lead
+            candidate.mends = false;
+            without.evidence.negative_log + worth
         }
     }
 }
