@@ -14,7 +14,7 @@ use super::time_bins::chains;
 use crate::diagnosis::Subject;
 use crate::diagnosis::hypothesis::Problem;
 use crate::diagnosis::hypothesis::candidate::{TERRAIN_CHANGE, is_residual_model};
-use crate::effects::CATALOGUE;
+use crate::effects::{CATALOGUE, Class};
 use rayon::prelude::*;
 
 /// The best region of a candidate.
@@ -218,6 +218,7 @@ fn each<I: IntoIterator<Item = (Region, Score, f64)>>(
                 columns: one.columns.clone(),
                 unknowns: unknowns.collect(),
             },
+            of_vehicle: is_of_vehicle(one.subject),
             deadline: problem.deadline,
         };
         let found = best(one, &scan).into_iter();
@@ -228,6 +229,17 @@ fn each<I: IntoIterator<Item = (Region, Score, f64)>>(
     scanned.par_iter().flat_map_iter(scan).collect()
 }
 
+/// Whether its cause belongs to the vehicle, as a load or a radius.
+fn is_of_vehicle(subject: Subject) -> bool {
+    match subject {
+        Subject::Effect(effect) => {
+            let class = CATALOGUE[effect].class;
+            matches!(class, Class::Weight | Class::RollingRadius)
+        }
+        _ => false,
+    }
+}
+
 fn is_change(subject: Subject) -> bool {
     subject.name() == TERRAIN_CHANGE
 }
@@ -236,7 +248,7 @@ fn is_change(subject: Subject) -> bool {
 mod tests {
     use super::*;
     use crate::diagnosis::search::stage::Stage;
-    use crate::diagnosis::testing::{driven, on, refitted, with_effects};
+    use crate::diagnosis::testing::{driven, named, on, refitted, with_effects};
 
     #[test]
     fn the_ends_of_an_interval_lie_within_gates() {
@@ -252,8 +264,8 @@ mod tests {
             let system = &stage.screening.system;
             let projection = Projection::over_all(system, &[]).unwrap();
             let asked = scanned(problem, system, &fit.solution.soil, &[]);
-            let found = locate(problem, system, &projection, &asked);
-            let found = found.iter().find_map(|one| match one.extent {
+            let all = locate(problem, system, &projection, &asked);
+            let found = all.iter().find_map(|one| match one.extent {
                 Region::Time(at) if one.subject == Subject::Unknown => Some(at),
                 _ => None,
             });
@@ -262,6 +274,21 @@ mod tests {
                 (at.start - start).abs() < 0.12 && (at.end - end).abs() < 0.12,
                 "{at:?}"
             );
+            // A load neither comes with a place nor for some seconds.
+            let bounds = problem.segments.iter().map(|one| [one.start, one.end]);
+            let bounds = bounds
+                .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+                .unwrap();
+            let lasts = |extent: &Region| match extent {
+                Region::Time(at) => at.start < bounds[0] + 2.0 || at.end > bounds[1] - 2.0,
+                _ => false,
+            };
+            for vehicle in ["com_shift", "payload", "wheel_radius"].map(named) {
+                let of = all.iter().filter(|one| one.subject == vehicle);
+                let regions: Vec<&Region> = of.map(|one| &one.extent).collect();
+                assert!(!regions.is_empty(), "{vehicle:?}");
+                assert!(regions.iter().all(|extent| lasts(extent)), "{regions:?}");
+            }
         }
     }
 }

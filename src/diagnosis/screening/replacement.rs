@@ -1,11 +1,11 @@
 //! Replacements: which mechanism does what an accepted effect does?
 //!
 //! The likeliest fit has the motion, and nearly the soil, whatever its effect is called. There the problem is linearised
-//! once more. The effect's wrench is taken away, and each mechanism of the catalogue has to supply it, with its
-//! amplitudes and its shape freedom (see [`super::shape`]), while the soil follows.
+//! once more. The effect's wrench, or a sensor fault's share of the measurements, is taken away, and each mechanism of the
+//! catalogue has to supply it, with its amplitudes and its shape freedom (see [`super::shape`]), while the soil follows.
 //!
 //! # Algorithm
-//! 1. The motion of the fit, and on it the wrench w_p(t) of the effect to replace.
+//! 1. The motion of the fit, and on it the wrench w_p(t) of the effect to replace, or the signal of the sensor fault.
 //! 2. For each mechanism the wrenches w_j(t) of its parameters at their typical values, one at a time. Those that do
 //!    nothing alone, such as the place of a load, count by the differences d_k(t) that a standard deviation makes.
 //! 3. Its signal is sum_j A_j w_j(t) (1 + sum_m a_m f_m(t)) + A_1 sum_k c_k d_k(t): amplitudes A_j around 1, c_k ~
@@ -212,7 +212,23 @@ fn found(
         .filter(|mechanism| !mechanism.coefficients.is_empty())
         .collect();
     let first = system.parameters.len();
-    let columns = append(&mut system, forces, &replaced, &mut mechanisms);
+    let sensors = own.iter().copied();
+    let sensors: Vec<usize> = sensors
+        .filter(|k| matches!(problem.candidates[*k].target, Target::Sensor(_)))
+        .collect();
+    let faults = system.segments.iter().map(|segment| {
+        let at = &at.coefficients[segment.recording];
+        let each = sensors.iter();
+        each.map(|k| {
+            (
+                system.layout.soil + k,
+                at[*k] - problem.candidates[*k].off(),
+            )
+        })
+        .collect()
+    });
+    let faults: Vec<Vec<(usize, f64)>> = faults.collect();
+    let columns = append(&mut system, forces, (&replaced, &faults), &mut mechanisms);
     let mut on_unknowns: Vec<usize> = on
         .iter()
         .filter(|k| !own.contains(k))
@@ -223,7 +239,7 @@ fn found(
     let all: Vec<usize> = (first..first + columns).collect();
     let projected = projection.of(&all);
     let (matrix, gradient) = (projected.matrix, projected.gradient);
-    // Without the effect: a step of its wrench to zero.
+    // Without the effect: a step of what it does to zero.
     let without = DVector::from_fn(columns, |k, _| if k == 0 { -1.0 } else { 0.0 });
     let pull = &gradient - &matrix * &without;
     let removed = 0.5 * matrix[(0, 0)] + gradient[0];
@@ -283,11 +299,12 @@ fn typical(problem: &Problem, coefficient: usize) -> f64 {
     }
 }
 
-/// Appends the wrench to replace, then each mechanism's components with their features. The number of columns.
+/// Appends the wrench to replace, or the columns of a sensor fault with its sizes, segment by segment; then each
+/// mechanism's components with their features. The number of columns.
 fn append(
     system: &mut System,
     forces: [usize; AXES],
-    replaced: &[Vec<Acting>],
+    (replaced, faults): (&[Vec<Acting>], &[Vec<(usize, f64)>]),
     mechanisms: &mut [Mechanism],
 ) -> usize {
     let mut count = 1;
@@ -315,6 +332,9 @@ fn append(
                 for axis in 0..AXES {
                     columns[(row(system, time_bin, axis), 0)] = acting.wrench[axis];
                 }
+            }
+            for (row, size) in &faults[place] {
+                columns[(*row, 0)] = *size;
             }
             columns
         })
@@ -486,6 +506,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::hypothesis::likelihood::fit_hypothesis;
     use crate::diagnosis::testing::{driven, named, on, refitted, with_effects};
+    use crate::recording::{Channel, Recording, Run, Series};
 
     #[test]
     fn a_mechanism_replaces_itself_at_its_size_and_others_fall_behind() {
@@ -515,6 +536,34 @@ mod tests {
         // A mechanism that cannot do it loses much of it.
         let other = find("left_right_soil").odds;
         assert!(other < first.odds - 0.3 * removed, "{all_of_it}");
+        // A sensor fault exerts nothing: what it does to the measurements is to be supplied.
+        let arm = |run: &Run| {
+            let [x, y, heading] = [Channel::X, Channel::Y, Channel::Heading].map(|channel| {
+                let samples = run.series(channel).unwrap().samples();
+                samples.collect::<Vec<(f64, f64)>>()
+            });
+            let shifted = |position: &[(f64, f64)], by: fn(f64) -> f64| -> Series {
+                let pairs = position.iter().zip(&heading);
+                pairs
+                    .map(|((t, p), (_, h))| (*t, p + 0.2 * by(*h)))
+                    .collect()
+            };
+            run.clone()
+                .with(Channel::X, shifted(&x, f64::cos))
+                .with(Channel::Y, shifted(&y, f64::sin))
+        };
+        let plain = driven(&nominal, "slalom");
+        let ahead = [Recording {
+            runs: plain.runs.iter().map(arm).collect(),
+            ..plain
+        }];
+        let (stage, noise) = refitted(&nominal, &ahead);
+        let problem = &stage.problem;
+        let own: Vec<usize> = problem.candidates.of(named("lever_arm")).collect();
+        let fit = fit_hypothesis(problem, &own, &stage.fit.solution, &noise).unwrap();
+        let (all, removed) = replacements(problem, &fit, &own, &noise);
+        assert!(removed > 20.0, "{removed}");
+        assert!(all.iter().all(|one| one.odds < -100.0), "{removed} {all:?}");
         // Nothing replaces nothing.
         assert!(replacements(problem, &fit, &[], &noise).0.is_empty());
     }

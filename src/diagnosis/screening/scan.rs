@@ -69,6 +69,8 @@ pub struct Scan<'a> {
     pub binned: BinnedFit,
     /// Accepted effects that keep their sizes beside it.
     pub accepted: &'a Accepted,
+    /// Whether its cause belongs to the vehicle: it stays at every place, and comes or goes once in a run.
+    pub of_vehicle: bool,
     /// End of the scan; a scan that is cut short finds nothing.
     pub deadline: Deadline<'a>,
 }
@@ -204,12 +206,33 @@ impl Scan<'_> {
             });
             sums.max_by(|a, b| a.1.total_cmp(&b.1))
         };
+        if !self.is_possible(chains, extent) {
+            return None;
+        }
         let (sums, seconds) = match extent {
             Region::Time(at) => of_run(at)?,
             Region::Place { disc } => self.sum(chains, |time_bin| time_bin.within(inside(*disc))),
             Region::Run(_) | Region::Beyond { .. } => return None,
         };
         (seconds > 0.0).then(|| self.score(&sums))
+    }
+
+    /// Whether it may act in a region alone.
+    fn is_possible(&self, chains: &[Chain], extent: &Region) -> bool {
+        match extent {
+            _ if !self.of_vehicle => true,
+            Region::Place { .. } => false,
+            Region::Time(at) => {
+                let of_run =
+                    |chain: &&Chain| (chain.recording, chain.run) == (at.recording, at.run);
+                let mut time_bins = chains.iter().filter(of_run).flat_map(|c| &c.time_bins);
+                let first = time_bins.next();
+                let last = time_bins.next_back().or(first);
+                first.is_some_and(|first| at.start - first.start < SHORTEST)
+                    || last.is_some_and(|last| last.end - at.end < SHORTEST)
+            }
+            Region::Run(_) | Region::Beyond { .. } => true,
+        }
     }
 
     /// The best interval of all runs, its ends refined.
@@ -243,7 +266,9 @@ impl Scan<'_> {
                         start: first.start,
                         end: time_bin.end,
                     });
-                    best.offer(extent, self.score(&sums));
+                    if self.is_possible(chains, &extent) {
+                        best.offer(extent, self.score(&sums));
+                    }
                 }
             }
         }
@@ -281,8 +306,9 @@ impl Scan<'_> {
         });
         // An interval beyond the end of the chain is cut short.
         let inside = (seconds - (at.end - at.start)).abs() < 1e-6;
-        if inside && (SHORTEST..=LONGEST).contains(&seconds) {
-            best.offer(Region::Time(at), self.score(&sums));
+        let extent = Region::Time(at);
+        if inside && (SHORTEST..=LONGEST).contains(&seconds) && self.is_possible(chains, &extent) {
+            best.offer(extent, self.score(&sums));
         }
     }
 
@@ -316,6 +342,9 @@ impl Scan<'_> {
     #[must_use]
     pub fn discs(&self, chains: &[Chain], discs: &[[f64; 3]]) -> Option<(Region, Score, f64)> {
         let mut best = BestRegion::default();
+        if self.of_vehicle {
+            return None;
+        }
         for disc in discs {
             if self.deadline.is_over() {
                 return None;
