@@ -187,7 +187,7 @@ pub struct Finding {
     pub probability: f64,
     /// Other subjects that these recordings cannot separate from it.
     pub ambiguous_with: Vec<Subject>,
-    /// Log Bayes factor against the model without it.
+    /// Log Bayes factor against the model without it, by the catalogue's formula or its neighbours.
     pub evidence: f64,
     /// Log odds, prior included, of itself and of everything that was fitted in its place, the likeliest first.
     pub rivals: Vec<(Subject, f64)>,
