@@ -72,6 +72,14 @@ struct Mechanism {
     further_columns: Vec<usize>,
 }
 
+/// What is replaced, segment by segment.
+struct Replaced {
+    /// The wrench in each time bin.
+    wrench: Vec<Vec<Acting>>,
+    /// The columns of a sensor fault, each with its size.
+    fault: Vec<Vec<(usize, f64)>>,
+}
+
 /// The mechanisms that may replace some coefficients of a fit, the likeliest first, and what the linearised problem loses
 /// if nothing does \[log likelihood\].
 #[must_use]
@@ -124,7 +132,20 @@ fn found(
         });
         each.map(Option::unwrap_or_default).collect()
     };
-    let replaced = wrench(&effects, at, &off);
+    let sensors = own.iter().copied();
+    let sensors: Vec<usize> = sensors
+        .filter(|k| matches!(problem.candidates[*k].target, Target::Sensor(_)))
+        .collect();
+    let fault = system.segments.iter().map(|segment| {
+        let at = &at.coefficients[segment.recording];
+        let size = |k: &usize| at[*k] - problem.candidates[*k].off();
+        let columns = sensors.iter();
+        columns.map(|k| (system.layout.soil + k, size(k))).collect()
+    });
+    let replaced = Replaced {
+        wrench: wrench(&effects, at, &off),
+        fault: fault.collect(),
+    };
     let subjects = problem.candidates.subjects.iter().copied();
     let mut mechanisms: Vec<Mechanism> = subjects
         .filter_map(|subject| {
@@ -212,23 +233,7 @@ fn found(
         .filter(|mechanism| !mechanism.coefficients.is_empty())
         .collect();
     let first = system.parameters.len();
-    let sensors = own.iter().copied();
-    let sensors: Vec<usize> = sensors
-        .filter(|k| matches!(problem.candidates[*k].target, Target::Sensor(_)))
-        .collect();
-    let faults = system.segments.iter().map(|segment| {
-        let at = &at.coefficients[segment.recording];
-        let each = sensors.iter();
-        each.map(|k| {
-            (
-                system.layout.soil + k,
-                at[*k] - problem.candidates[*k].off(),
-            )
-        })
-        .collect()
-    });
-    let faults: Vec<Vec<(usize, f64)>> = faults.collect();
-    let columns = append(&mut system, forces, (&replaced, &faults), &mut mechanisms);
+    let columns = append(&mut system, forces, &replaced, &mut mechanisms);
     let mut on_unknowns: Vec<usize> = on
         .iter()
         .filter(|k| !own.contains(k))
@@ -299,12 +304,11 @@ fn typical(problem: &Problem, coefficient: usize) -> f64 {
     }
 }
 
-/// Appends the wrench to replace, or the columns of a sensor fault with its sizes, segment by segment; then each
-/// mechanism's components with their features. The number of columns.
+/// Appends what is replaced, then each mechanism's components with their features. The number of columns.
 fn append(
     system: &mut System,
     forces: [usize; AXES],
-    (replaced, faults): (&[Vec<Acting>], &[Vec<(usize, f64)>]),
+    replaced: &Replaced,
     mechanisms: &mut [Mechanism],
 ) -> usize {
     let mut count = 1;
@@ -328,12 +332,12 @@ fn append(
         .enumerate()
         .map(|(place, segment)| {
             let mut columns = DMatrix::zeros(segment.gradient.len(), count);
-            for (time_bin, acting) in replaced[place].iter().enumerate() {
+            for (time_bin, acting) in replaced.wrench[place].iter().enumerate() {
                 for axis in 0..AXES {
                     columns[(row(system, time_bin, axis), 0)] = acting.wrench[axis];
                 }
             }
-            for (row, size) in &faults[place] {
+            for (row, size) in &replaced.fault[place] {
                 columns[(*row, 0)] = *size;
             }
             columns
